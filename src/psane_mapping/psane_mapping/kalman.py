@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Compiled rank-one updates; single-threaded and in a fixed order, so that runs are repeatable."""
+
+import numba
+import numpy as np
+
+from psane_mapping.grid import FloatArray
+
+
+@numba.njit(cache=True)
+def observe(covariance: FloatArray, weights: FloatArray, features: FloatArray, value: float,
+            variance: float) -> tuple[FloatArray, float, float]:
+    """Condition Gaussian weights on one measurement ``value = features . weights + noise``.
+
+    Parameters
+    ----------
+    covariance : (m, m) float, changed in place
+    weights : (m,) float, changed in place
+        Mean of the weights.
+    features : (m,) float
+    value : float
+    variance : float
+        Of the measurement's noise.
+
+    Returns
+    -------
+    gain : (m,) float
+        ``covariance @ features`` as it was before the measurement.
+    innovation, innovation_variance : float
+    """
+    count = features.size
+    gain = np.zeros(count)
+    for j in range(count):
+        scale = features[j]
+        for i in range(count):
+            gain[i] += scale * covariance[j, i]
+    innovation = value
+    innovation_variance = variance
+    for j in range(count):
+        innovation -= features[j] * weights[j]
+        innovation_variance += features[j] * gain[j]
+    for j in range(count):
+        weights[j] += gain[j] * innovation / innovation_variance
+        scale = gain[j] / innovation_variance
+        for i in range(count):
+            covariance[j, i] -= scale * gain[i]
+    return gain, innovation, innovation_variance
+
+
+@numba.njit(cache=True)
+def spread(gain: FloatArray, cells_y: FloatArray, cells_x: FloatArray,
+           rows: int, columns: int) -> FloatArray:
+    """Return the covariance of the measured value with each cell, shape (rows, columns).
+
+    Parameters
+    ----------
+    gain : (axis modes y, axis modes x) float
+        Zero where a pair of modes was left out.
+    cells_y : (>= rows, axis modes y) float
+    cells_x : (axis modes x, >= columns) float
+    rows, columns : int
+        How many cells of the rectangle exist.
+    """
+    across = np.zeros((rows, gain.shape[1]))
+    for row in range(rows):
+        for k in range(gain.shape[0]):
+            scale = cells_y[row, k]
+            for i in range(gain.shape[1]):
+                across[row, i] += scale * gain[k, i]
+    covariance = np.zeros((rows, columns))
+    for row in range(rows):
+        for k in range(gain.shape[1]):
+            scale = across[row, k]
+            for column in range(columns):
+                covariance[row, column] += scale * cells_x[k, column]
+    return covariance
+
+
+@numba.njit(cache=True)
+def assimilate(mean: FloatArray, variance: FloatArray, covariance: FloatArray, innovation: float,
+               innovation_variance: float) -> None:
+    """Update the mean and variance of cells (rows, columns) in place for one measurement."""
+    for row in range(covariance.shape[0]):
+        for column in range(covariance.shape[1]):
+            shared = covariance[row, column]
+            mean[row, column] += shared * innovation / innovation_variance
+            left = variance[row, column] - shared * shared / innovation_variance
+            variance[row, column] = max(left, 0.0)

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The connected piece of certified ground that the robot stands on."""
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from psane_mapping.grid import FloatArray, Grid
+
+
+class Component(NamedTuple):
+    """Connected certified cells around the robot.
+
+    Parameters
+    ----------
+    mask : (rows, columns) bool
+        Cells joined edge to edge (4-connected: two cells that meet at a corner leave no ground
+        with clearance between them).
+    outside_distance : float [m]
+        Distance of the robot to the nearest certified square, 0 on it, infinite without any.
+    """
+
+    mask: NDArray[np.bool_]
+    outside_distance: float
+
+
+def component_around(certified: NDArray[np.bool_], grid: Grid,
+                     position: FloatArray) -> Component:
+    """Return the piece of `certified` that holds, or lies nearest to, `position` (2,) [m]."""
+    if not certified.any():
+        return Component(np.zeros(grid.shape, dtype=np.bool_), float('inf'))
+    half = grid.resolution / 2.0
+    aside_x = np.maximum(np.abs(grid.x - position[0]) - half, 0.0)
+    aside_y = np.maximum(np.abs(grid.y - position[1]) - half, 0.0)
+    squared = aside_y[:, None] ** 2 + aside_x[None, :] ** 2
+    nearest = int(np.argmin(np.where(certified, squared, np.inf)))
+    _, labels = cv2.connectedComponents(certified.astype(np.uint8), connectivity=4)
+    mask = np.asarray(labels == labels.flat[nearest])
+    return Component(mask, float(np.sqrt(squared.flat[nearest])))

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Harmonic map of a region onto a disk with a small star-shaped hole for each of its holes."""
+
+import numpy as np
+import shapely
+from psane_mapping.grid import FloatArray
+
+from psane_reactive.clearance import Border
+from psane_reactive.embedding import Embedding, doubled_areas, embed
+from psane_reactive.errors import MapError
+from psane_reactive.mesh import Mesh, mesh_region
+from psane_reactive.model_map import Way
+from psane_reactive.region import smooth_polygon
+from psane_reactive.trace import (barycentric, fill_buckets, locate, neighbours_of,
+                                  pull_back_line)
+
+# Radius of the finest corner or neck that the mesh follows [m].
+SMOOTHING_RADIUS = 0.004
+# Images thinner than this are lost in rounding: coordinates in the disk are known to 1e-16.
+_THINNEST = 1e-12
+
+
+class HarmonicMap:
+    """One-to-one, piecewise affine map of a region onto the punctured unit disk.
+
+    Parameters
+    ----------
+    polygon : Polygon, map frame [m]
+    edge : float
+        Edge of the mesh [m].
+    stiffness : float
+        Pull of a hole on its border [-].
+
+    Raises
+    ------
+    ReactiveError
+        When the region cannot be meshed or mapped.
+    """
+
+    def __init__(self, polygon: shapely.Polygon, edge: float = 0.1,
+                 stiffness: float = 3.0) -> None:
+        self.polygon = smooth_polygon(polygon, SMOOTHING_RADIUS)
+        self.mesh: Mesh = mesh_region(self.polygon, edge)
+        self.embedding = self._best_embedding(stiffness)
+        self.border = Border(self.polygon)
+        self.is_usable = self._usable_triangles()
+        self._neighbours = neighbours_of(self.embedding.triangles)
+        self._corner = self.mesh.vertices.min(axis=0) - 1e-6
+        extent = self.mesh.vertices.max(axis=0) - self._corner + 1e-6
+        self._size = edge
+        self._columns, self._rows = (int(n) + 1 for n in extent / edge)
+        self._offsets, self._entries = fill_buckets(
+            self.mesh.vertices, self.mesh.triangles, self._corner[0], self._corner[1],
+            self._size, self._columns, self._rows)
+
+    def _best_embedding(self, stiffness: float) -> Embedding:
+        """Use mean-value weights, or equal ones where those turn more triangles over."""
+        first = embed(self.mesh, stiffness)
+        flipped = int((first.doubled_area <= 0.0).sum())
+        if flipped == 0:
+            return first
+        second = embed(self.mesh, stiffness, is_uniform=True)
+        return second if int((second.doubled_area <= 0.0).sum()) < flipped else first
+
+    def _usable_triangles(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Tell which triangles of the mesh have an image that rounding does not swallow."""
+        model, triangles = self.embedding.model, self.mesh.triangles
+        area = self.embedding.doubled_area[:len(triangles)]
+        corners = model[triangles]
+        longest = np.max(np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2), axis=1)
+        usable = area > _THINNEST * np.maximum(longest, _THINNEST)
+        if not usable.any():
+            raise MapError('no triangle keeps its orientation, expected all to; '
+                           'the region is too long and thin for this map')
+        return usable
+
+    @property
+    def unusable_share(self) -> float:
+        """Share of the region's area whose image is lost in rounding, 0 for a perfect map."""
+        areas = doubled_areas(self.mesh.vertices, self.mesh.triangles)
+        return float(areas[~self.is_usable].sum() / areas.sum())
+
+    def triangle_at(self, point: FloatArray) -> int:
+        """Return the index of the mesh triangle that holds a point (2,) [m], -1 if none does."""
+        return int(locate(self.mesh.vertices, self.mesh.triangles, self._offsets, self._entries,
+                          self._corner, self._size, self._columns, self._rows,
+                          float(point[0]), float(point[1])))
+
+    def nearest_inside(self, point: FloatArray) -> tuple[FloatArray, int]:
+        """Return the point of the mesh nearest to a point (2,) [m], and its triangle."""
+        triangle = self.triangle_at(point)
+        if triangle >= 0:
+            return point, triangle
+        edge_point = self.border.nearest(point)
+        away = edge_point - point
+        away /= max(float(np.hypot(*away)), 1e-12)
+        for depth in (1e-5, 1e-4, 1e-3, -1e-5, -1e-4, -1e-3):
+            moved = edge_point + depth * away
+            triangle = self.triangle_at(moved)
+            if triangle >= 0:
+                return moved, triangle
+        nearest = int(np.argmin(np.hypot(*(self.mesh.vertices - point).T)))
+        triangle = int(np.flatnonzero((self.mesh.triangles == nearest).any(axis=1))[0])
+        return self.mesh.vertices[self.mesh.triangles[triangle]].mean(axis=0), triangle
+
+    def to_model(self, points: FloatArray) -> FloatArray:
+        """Map points (n, 2), map frame [m], to the disk (n, 2) [-]."""
+        images = [self._image(*self.nearest_inside(point)) for point in np.asarray(points)]
+        return np.array(images).reshape(-1, 2)
+
+    def jacobian(self, point: FloatArray) -> FloatArray:
+        """Return d(model)/d(point) at a point (2,) [m], (2, 2) [1/m]."""
+        corners = self.mesh.triangles[self.nearest_inside(np.asarray(point))[1]]
+        physical, model = self.mesh.vertices[corners], self.embedding.model[corners]
+        jacobian: FloatArray = np.linalg.solve(physical[1:] - physical[0], model[1:] - model[0]).T
+        return jacobian
+
+    def way(self, position: FloatArray, goal: FloatArray, reach: float) -> Way | None:
+        """Pull the straight line between the images of position and goal, (2,) [m], back.
+
+        Returns
+        -------
+        The first `reach` metres; None where rounding has swallowed the map.
+        """
+        start_point, start = self.nearest_inside(position)
+        goal_point, end = self.nearest_inside(goal)
+        if not (self.is_usable[start] and self.is_usable[end]):
+            return None
+        points, outcome = pull_back_line(
+            self.mesh.vertices, self.embedding.model, self.embedding.triangles, self._neighbours,
+            len(self.mesh.vertices), start, self._inner_image(start_point, start), end,
+            self._inner_image(goal_point, end), start_point, reach)
+        if outcome < 0:
+            return None
+        if outcome == 0:
+            return Way(points, ends_at_goal=False)
+        return Way(np.concatenate((points, goal[None, :])), ends_at_goal=True)
+
+    def _image(self, point: FloatArray, triangle: int) -> FloatArray:
+        """Map a point (2,) [m] of a known triangle."""
+        corners = self.mesh.triangles[triangle]
+        shares = barycentric(self.mesh.vertices, corners, float(point[0]), float(point[1]))
+        image: FloatArray = np.array(shares) @ self.embedding.model[corners]
+        return image
+
+    def _inner_image(self, point: FloatArray, triangle: int) -> FloatArray:
+        """Map a point, moved off the sides of its triangle so that a walk can start there."""
+        corners = self.mesh.triangles[triangle]
+        shares = np.array(barycentric(self.mesh.vertices, corners, float(point[0]),
+                                      float(point[1])))
+        shares = np.maximum(shares, 1e-6)
+        image: FloatArray = (shares / shares.sum()) @ self.embedding.model[corners]
+        return image

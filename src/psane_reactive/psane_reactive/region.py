@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The region that the robot may use, made fit for distances and for meshing."""
+
+from typing import Any
+
+import numpy as np
+import shapely
+from psane_mapping.grid import FloatArray
+
+from psane_reactive.clearance import Area, Border
+from psane_reactive.errors import RegionError
+
+# Smaller pieces cannot hold the robot's centre for a single control period.
+SMALLEST_AREA = 1e-4
+
+
+def clean_region(area: Any) -> Area:
+    """Return the polygonal part of an area, valid and with counter-clockwise outer rings.
+
+    Parameters
+    ----------
+    area : Polygon or MultiPolygon, map frame [m]
+        May be invalid, may repeat vertices, may hold slivers; rings of either orientation.
+
+    Raises
+    ------
+    RegionError
+        When nothing usable is left.
+    """
+    if not isinstance(area, (shapely.Polygon, shapely.MultiPolygon)):
+        raise RegionError(f'region is a {type(area).__name__}, expected a polygon')
+    if not np.isfinite(shapely.get_coordinates(area)).all():
+        raise RegionError('region holds a coordinate that is not finite')
+    valid = area if area.is_valid else shapely.make_valid(area)
+    parts = [part for part in _polygons(shapely.force_2d(valid)) if part.area > SMALLEST_AREA]
+    if not parts:
+        raise RegionError(f'region has an area of {area.area:.2g} m^2, '
+                          f'expected a part above {SMALLEST_AREA:g} m^2')
+    parts = [shapely.geometry.polygon.orient(part) for part in parts]
+    return parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts)
+
+
+def component_near(area: Area, point: FloatArray) -> shapely.Polygon:
+    """Return the polygon that holds a point (2,) [m], or the one nearest to it."""
+    if isinstance(area, shapely.Polygon):
+        return area
+    return min(area.geoms, key=lambda part: float(part.distance(shapely.Point(point))))
+
+
+def smooth_polygon(polygon: shapely.Polygon, radius: float) -> shapely.Polygon:
+    """Return a polygon inside `polygon` whose corners and necks are no finer than `radius` [m].
+
+    Notes
+    -----
+    Eroding by twice the radius and growing by once opens pinch points (holes that touch the
+    border or each other) and removes cusps; what is left lies about a radius inside the old border,
+    so that a simplification by half a radius stays inside as well.
+    """
+    opened = polygon.buffer(-2.0 * radius, quad_segs=2).buffer(radius, quad_segs=2)
+    parts = [part for part in _polygons(opened.simplify(0.5 * radius))
+             if part.area > SMALLEST_AREA and part.is_valid]
+    if not parts:
+        raise RegionError(f'region is thinner than {4.0 * radius:g} m everywhere')
+    largest = max(parts, key=lambda part: float(part.area))
+    holes = [ring for ring in largest.interiors
+             if shapely.Polygon(ring).area > radius * radius]
+    return shapely.geometry.polygon.orient(shapely.Polygon(largest.exterior, holes))
+
+
+def point_inside(border: Border, area: Area, point: FloatArray, depth: float) -> FloatArray:
+    """Return the point itself, or the nearest one `depth` [m] inside where there is room.
+
+    Parameters
+    ----------
+    point : (2,) float, map frame [m]
+    """
+    if border.outside_distance(point) <= -depth:
+        return point
+    for shrunk in (depth, 0.5 * depth, 0.1 * depth):
+        inner = area.buffer(-shrunk)
+        if not inner.is_empty:
+            nearest = shapely.ops.nearest_points(inner, shapely.Point(point))[0]
+            return np.array((nearest.x, nearest.y))
+    anywhere = area.representative_point()
+    return np.array((anywhere.x, anywhere.y))
+
+
+def _polygons(geometry: Any) -> list[shapely.Polygon]:
+    """Return the polygons of a geometry of any kind."""
+    if isinstance(geometry, shapely.Polygon):
+        return [] if geometry.is_empty else [geometry]
+    return [part for piece in getattr(geometry, 'geoms', ()) for part in _polygons(piece)]

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a run leaves behind: enough to score it, draw it and compare it with another."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from psane_mapping.grid import FloatArray, Grid
+from shapely.geometry import Polygon
+
+
+@dataclass(kw_only=True)
+class RunRecord:
+    """Gathers a run while it happens; all points in the map frame [m], times [s] of the simulation.
+
+    Parameters
+    ----------
+    grid : Grid
+        Cells of every map below.
+    start, goal : (2,) float or None
+        Where the run began, and where it should end (`None` when exploring).
+    path : list of (time, x, y)
+        True way of the body's centre.
+    contacts : list of (time, x, y, slip)
+        Accepted contacts, with the slip that was felt [-].
+    subgoals : list of (time, x, y)
+    progress : list of (time, distance to the goal [m], certified area [m^2])
+    certified, slip_mean, slip_std : (rows, columns) arrays or None
+        The last maps.
+    frontier : (n, 2) float
+        The last frontier.
+    region : Polygon or None
+        The last region that was handed to the controller.
+    """
+
+    grid: Grid
+    start: FloatArray
+    goal: FloatArray | None
+    path: list[tuple[float, float, float]] = field(default_factory=list)
+    contacts: list[tuple[float, float, float, float]] = field(default_factory=list)
+    subgoals: list[tuple[float, float, float]] = field(default_factory=list)
+    progress: list[tuple[float, float, float]] = field(default_factory=list)
+    certified: NDArray[np.bool_] | None = None
+    slip_mean: FloatArray | None = None
+    slip_std: FloatArray | None = None
+    frontier: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
+    region: Polygon | None = None
+
+    def note_subgoal(self, now: float, point: FloatArray) -> None:
+        """Add a subgoal if it differs from the last one by more than a centimetre."""
+        x, y = float(point[0]), float(point[1])
+        if not self.subgoals or np.hypot(x - self.subgoals[-1][1], y - self.subgoals[-1][2]) > 0.01:
+            self.subgoals.append((now, x, y))

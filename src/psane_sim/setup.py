@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Install psane_sim where ROS 2 looks for it."""
+
+from glob import glob
+
+from setuptools import find_packages, setup
+
+package = 'psane_sim'
+
+setup(
+    name=package,
+    version='0.1.0',
+    packages=find_packages(include=[package, f'{package}.*']),
+    package_data={package: ['data/*']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{package}']),
+        (f'share/{package}', ['package.xml']),
+        (f'share/{package}/config', sorted(glob('config/*.yaml'))),
+    ],
+    zip_safe=False,
+    maintainer='PSANE maintainers',
+    maintainer_email='psane@example.com',
+    description='A six-legged robot on granular ground in pybullet, its contact sensing, and the demo.',
+    license='Apache-2.0',
+    entry_points={
+        'console_scripts': [
+            'hexapod_sim = psane_sim.hexapod_sim_node:main',
+            'contact_sensor = psane_sim.contact_sensor_node:main',
+            'demo = psane_sim.demo:main',
+            'bench = psane_sim.bench:main',
+        ],
+    },
+)
