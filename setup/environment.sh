@@ -84,19 +84,20 @@ install_python() {
 
 venv_is_current() {
   [[ -x $venv/bin/python && -f $venv/.psane-lock ]] &&
-    cmp -s "$venv/.psane-lock" "$root/requirements.lock" && "$venv/bin/python" -c '' 2>/dev/null
+    { echo "$root"; cat "$root/requirements.lock"; } | cmp -s - "$venv/.psane-lock" &&
+    "$venv/bin/python" -c '' 2>/dev/null
 }
 
+# Made anew whenever the lock file changes: the wheels of ROS bring packages that the lock does not
+# name, and a sync over them would take those away. From uv's cache it takes seconds.
 make_venv() {
   find_uv || install_uv
-  if ! [[ $("$venv/bin/python" -V 2>/dev/null) == 'Python 3.11.'* ]]; then
-    find_python || install_python
-    step 'making a Python 3.11 environment (.venv)' venv "$uv" venv --clear --python "$base" "$venv"
-  fi
-  rm -f "$venv/.psane-lock"
+  find_python || install_python
+  rm -rf "$venv"
+  step 'making a Python 3.11 environment (.venv)' venv "$uv" venv --python "$base" "$venv"
   step 'installing what requirements.lock names' sync "$uv" pip sync --require-hashes \
     --python "$venv/bin/python" "$root/requirements.lock"
-  cp "$root/requirements.lock" "$venv/.psane-lock"
+  { echo "$root"; cat "$root/requirements.lock"; } >"$venv/.psane-lock"
 }
 
 check_apt_python() {
@@ -104,20 +105,30 @@ check_apt_python() {
     fail 'colcon is missing; type:  sudo apt-get install -y python3-colcon-common-extensions'
   "$python" - <<'PYTHON' >&2 || exit 1
 import importlib.util
+import re
 import sys
+from importlib.metadata import version
 
 apt = {'numpy': 'numpy', 'scipy': 'scipy', 'sklearn': 'sklearn', 'cv2': 'opencv',
        'matplotlib': 'matplotlib', 'yaml': 'yaml', 'pytest': 'pytest', 'hypothesis': 'hypothesis'}
-pip = {'pybullet': 'pybullet', 'numba': 'numba', 'shapely': "'shapely>=2.1'"}
-lines = {'sudo apt-get install -y': [f'python3-{apt[m]}' for m in apt
-                                     if importlib.util.find_spec(m) is None],
-         'pip3 install --break-system-packages': [pip[m] for m in pip
-                                                  if importlib.util.find_spec(m) is None]}
-missing = {command: names for command, names in lines.items() if names}
-if missing:
+pip = {'pybullet': (3, 2), 'numba': (0, 59), 'shapely': (2, 1)}  # with the oldest that will do
+
+
+def is_here(module, oldest=()):
+    if importlib.util.find_spec(module) is None:
+        return False
+    return not oldest or tuple(map(int, re.findall(r'\d+', version(module))[:2])) >= oldest
+
+
+lines = {'sudo apt-get install -y': [f'python3-{apt[m]}' for m in apt if not is_here(m)],
+         'pip3 install --break-system-packages': [
+             f"'{m}>={oldest[0]}.{oldest[1]}'" for m, oldest in pip.items()
+             if not is_here(m, oldest)]}
+if any(lines.values()):
     print(f'psane: {sys.executable} lacks Python packages; type:')
-    for command, names in missing.items():
-        print(' ', command, *names)
+    for command, names in lines.items():
+        if names:
+            print(' ', command, *names)
     sys.exit(1)
 PYTHON
 }

@@ -45,6 +45,18 @@ build_workspace() {
 
 is_ready() { { [[ $ros == apt ]] || venv_is_current; } && workspace_is_current; }
 
+# The script that colcon wrote calls Python without quotes, so it is given a path without a blank.
+load_workspace() {
+  local here=$PWD
+  cd -- "$root"
+  set +u
+  # shellcheck disable=SC1091
+  COLCON_PYTHON_EXECUTABLE=${python#"$root/"} source install/local_setup.bash
+  set -u
+  cd -- "$here"
+}
+
+# After this the environment is that of the workspace.
 prepare() {
   if ! is_ready; then
     mkdir -p "$state"
@@ -54,10 +66,7 @@ prepare() {
     workspace_is_current || (build_workspace)
     exec {lock}>&-
   fi
-  set +u
-  # shellcheck disable=SC1091
-  source "$root/install/local_setup.bash"
-  set -u
+  load_workspace
   # One thread each: the nodes are processes of their own and would only take turns.
   export OMP_NUM_THREADS=${OMP_NUM_THREADS:-1} OPENBLAS_NUM_THREADS=${OPENBLAS_NUM_THREADS:-1}
   export NUMBA_CACHE_DIR=${NUMBA_CACHE_DIR:-$state/numba}

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """An installed executable as a process that is always stopped again."""
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -45,7 +46,7 @@ class NodeProcess:
 
     @property
     def is_running(self) -> bool:
-        """True until the process has ended."""
+        """Whether the process has not ended yet."""
         return self._process.poll() is None
 
     @property
@@ -91,8 +92,6 @@ class NodeProcess:
                 break
             except subprocess.TimeoutExpired:
                 continue
-        try:
+        with contextlib.suppress(ProcessLookupError):
             os.killpg(self.pid, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
         return self._process.wait()

@@ -19,7 +19,8 @@ setup(
     zip_safe=False,
     maintainer='PSANE maintainers',
     maintainer_email='psane@example.com',
-    description='Feels the strength of granular ground through the legs and maps it with a Gaussian process.',
+    description='Feels the strength of granular ground through the legs and maps it '
+                'with a Gaussian process.',
     license='Apache-2.0',
     entry_points={
         'console_scripts': [

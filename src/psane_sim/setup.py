@@ -20,7 +20,8 @@ setup(
     zip_safe=False,
     maintainer='PSANE maintainers',
     maintainer_email='psane@example.com',
-    description='A six-legged robot on granular ground in pybullet, its contact sensing, and the demo.',
+    description='A six-legged robot on granular ground in pybullet, its contact '
+                'sensing, and the demo.',
     license='Apache-2.0',
     entry_points={
         'console_scripts': [

@@ -105,11 +105,11 @@ class RectangleBasis:
         """Number of modes."""
         return int(self.mode_y.size)
 
-    def at(self, x: float, y: float) -> FloatArray:
-        """Return the modes at a point measured from the rectangle's corner [m], (modes,) [-]."""
-        along_y = self.along_y(np.array([y]))[0]
-        along_x = self.along_x(np.array([x]))[0]
-        return np.asarray(along_y[self.mode_y] * along_x[self.mode_x])
+    def at(self, points: FloatArray) -> FloatArray:
+        """Return the modes at points (n, 2): x, y from the corner [m]; shape (n, modes) [-]."""
+        along_y = self.along_y(points[:, 1])
+        along_x = self.along_x(points[:, 0])
+        return np.asarray(along_y[:, self.mode_y] * along_x[:, self.mode_x])
 
     def variance_left_out(self) -> FloatArray:
         """Return the prior variance that the modes miss at each cell, (rows, columns) [-]."""

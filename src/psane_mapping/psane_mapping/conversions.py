@@ -9,14 +9,16 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
 from nav_msgs.msg import OccupancyGrid, Odometry
 from numpy.typing import NDArray
-from psane_msgs.msg import LegContact as LegContactMessage
-from psane_msgs.msg import TerrainSample as TerrainSampleMessage
 from std_msgs.msg import Header
 
 from psane_mapping.contact import LegContact
 from psane_mapping.errors import MappingError, MessageError
 from psane_mapping.grid import FloatArray, Grid
+from psane_mapping.map_cells import MapSteps
 from psane_mapping.mapper import TerrainSample
+from psane_msgs.msg import LegContact as LegContactMessage
+from psane_msgs.msg import MapScale
+from psane_msgs.msg import TerrainSample as TerrainSampleMessage
 
 CHANNELS = ('forward', 'vertical', 'moment')
 LARGEST_CONTACT = 4096
@@ -190,3 +192,19 @@ def cells_of(message: OccupancyGrid, frame: str) -> tuple[Grid, NDArray[np.int8]
     except MappingError as error:
         raise MessageError(f'map: {error}') from error
     return grid, np.frombuffer(message.data, dtype=np.int8).reshape(grid.shape)
+
+
+def scale_message(steps: MapSteps, time: float, frame: str) -> MapScale:
+    """Return how the cells of the maps are read."""
+    return MapScale(
+        header=header(time, frame), std_scale=steps.std_scale,
+        log_strength_std_scale=steps.log_strength_std_scale, strength_low=steps.strength_low,
+        strength_high=steps.strength_high)
+
+
+def std_scale_of(message: MapScale, frame: str) -> float:
+    """Return one step of the standard deviation of slip [-]."""
+    require_frame(message.header, frame)
+    if not (math.isfinite(message.std_scale) and message.std_scale > 0.0):
+        raise MessageError(f'std_scale = {message.std_scale}, expected a finite value above 0')
+    return float(message.std_scale)

@@ -9,8 +9,8 @@ cells given every measurement within the kernel's reach of them. So
 - a measurement costs the same however large the map and however long the history (RBF);
 - the posterior is a function of the set of measurements, whatever their order, up to round-off
   (1e-8 is asserted; 1e-12 is typical);
-- what lies beyond the reach is ignored, never guessed: a window's standard deviation is not
-  below that of the dense process by more than round-off.
+- what lies beyond the reach is ignored, not guessed, so that a window is less certain than the
+  dense process and not more, modes left out aside (measured: below it by 1e-5 at most).
 
 `tolerance` alone trades error against speed. It is the share of prior variance below which a mode
 is left out, and the share that a measurement just beyond the reach could have taken
@@ -31,6 +31,7 @@ from psane_mapping.kernels import Kernel, RadialBasis
 from psane_mapping.tiling import Tiling
 from psane_mapping.windows import DenseWindow, SpectralWindow, Window
 
+_LEAST_NOISE = 1e-6
 _MERGE_SHARE = 0.1
 _RESIDENT_BYTES = 120e6
 _FEWEST_RESIDENT = 16
@@ -72,7 +73,6 @@ class GridPosterior:
             raise ShapeError('prior_mean holds a number that is not finite')
         self.tiling = Tiling.cheapest(grid, kernel, tolerance)
         self._basis = self._make_basis()
-        self._cells = self._window_cells()
         self.reset()
 
     def reset(self) -> None:
@@ -102,7 +102,8 @@ class GridPosterior:
             Inside the grid.
         value : float
         deviation : float
-            Standard deviation of the measurement's noise, above 0.
+            Standard deviation of the measurement's noise, above 0; below a millionth of the
+            prior's it counts as that, to stay clear of round-off.
 
         Raises
         ------
@@ -110,6 +111,7 @@ class GridPosterior:
             For a number that is not finite or a point outside the grid; nothing is changed.
         """
         point = self._checked(point, value, deviation)
+        variance = max(deviation, _LEAST_NOISE * self.kernel.deviation) ** 2
         excess = value - self._prior_at(point)
         innovation = Innovation(math.nan, math.nan)
         home = tuple((self.grid.index_of(point)
@@ -118,8 +120,8 @@ class GridPosterior:
             tile = self.tiling.tile(index)
             window = self._window(index)
             x, y = (point - tile.corner).tolist()
-            evidence = window.observe(x, y, excess, deviation**2)
-            self._record(index, (x, y, excess, deviation**2))
+            evidence = window.observe(x, y, excess, variance)
+            self._record(index, (x, y, excess, variance))
             rows, columns = slice(*tile.rows), slice(*tile.columns)
             assimilate(self._mean[rows, columns], self._variance[rows, columns], *evidence)
             if index == home:
@@ -169,14 +171,12 @@ class GridPosterior:
         return RectangleBasis.spanning(self.tiling.window_size, self.tiling.cells_in_window(),
                                        self.kernel.lengthscale, self._tolerance)
 
-    def _window_cells(self) -> tuple[FloatArray, FloatArray]:
-        return self.tiling.cells_in_window()
-
     def _new_window(self, index: tuple[int, int]) -> Window:
         shape = self.tiling.tile(index).shape
         if self._basis is not None:
             return SpectralWindow(self._basis, self.kernel.deviation, shape)
-        y, x = np.meshgrid(self._cells[0][:shape[0]], self._cells[1][:shape[1]], indexing='ij')
+        along_y, along_x = self.tiling.cells_in_window()
+        y, x = np.meshgrid(along_y[:shape[0]], along_x[:shape[1]], indexing='ij')
         merge = _MERGE_SHARE * self.kernel.lengthscale if self._tolerance > 0.0 else 0.0
         return DenseWindow(self.kernel, np.column_stack((x.ravel(), y.ravel())), shape, merge)
 

@@ -39,6 +39,8 @@ def observe(covariance: FloatArray, weights: FloatArray, features: FloatArray, v
     for j in range(count):
         innovation -= features[j] * weights[j]
         innovation_variance += features[j] * gain[j]
+    # The prediction's variance is not negative; round-off may say so after very exact measurements.
+    innovation_variance = max(innovation_variance, variance)
     for j in range(count):
         weights[j] += gain[j] * innovation / innovation_variance
         scale = gain[j] / innovation_variance

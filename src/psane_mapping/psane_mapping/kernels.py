@@ -64,7 +64,8 @@ class Matern52:
         return np.asarray((1.0 + scaled + scaled**2 / 3.0) * np.exp(-scaled))
 
 
-KERNELS = {'rbf': RadialBasis, 'matern32': Matern32, 'matern52': Matern52}
+KERNELS: dict[str, type[RadialBasis] | type[Matern32] | type[Matern52]] = {
+    'rbf': RadialBasis, 'matern32': Matern32, 'matern52': Matern52}
 
 
 def kernel_named(name: str, lengthscale: float, deviation: float) -> Kernel:
@@ -80,8 +81,7 @@ def kernel_named(name: str, lengthscale: float, deviation: float) -> Kernel:
     for label, value, unit in (('lengthscale', lengthscale, 'm'), ('deviation', deviation, '-')):
         if not (math.isfinite(value) and value > 0.0):
             raise ParameterError(label, value, 'a finite value above 0', unit)
-    kernel: Kernel = KERNELS[name](lengthscale=lengthscale, deviation=deviation)
-    return kernel
+    return KERNELS[name](lengthscale=lengthscale, deviation=deviation)
 
 
 def reach_of(kernel: Kernel, tolerance: float) -> float:

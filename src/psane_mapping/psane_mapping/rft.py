@@ -27,7 +27,7 @@ LATERAL_FACE, LATERAL_EDGE = 0.136, 0.37
 """Sideways stress of a plate that slides along its face, and of its two edges [N/cm^3]."""
 
 
-@njit(cache=True, inline='always')
+@njit(cache=True, inline='always', error_model='numpy')
 def _stress_of_angles(cos_2b: float, sin_2b: float, cos_g: float,
                       sin_g: float) -> tuple[float, float]:
     """Return alpha_x and alpha_z [N/cm^3] from sines and cosines (no trigonometry needed)."""
@@ -64,7 +64,7 @@ def stress(tilt: float, direction: float) -> tuple[float, float]:
                              math.sin(direction))
 
 
-@njit(cache=True, inline='always')
+@njit(cache=True, inline='always', error_model='numpy')
 def plate_stress(motion_x: float, motion_z: float, normal_x: float,
                  normal_z: float) -> tuple[float, float]:
     """Return the ground's stress on a plate per unit depth and strength, with its sign.
@@ -101,7 +101,7 @@ def plate_stress(motion_x: float, motion_z: float, normal_x: float,
     return (-sign * alpha_x * NEWTON_PER_CUBIC_METRE, alpha_z * NEWTON_PER_CUBIC_METRE)
 
 
-@njit(cache=True, inline='always')
+@njit(cache=True, inline='always', error_model='numpy')
 def mobilised_force(x: float, y: float, z: float, share: float, normal_x: float, normal_z: float,
                     area: float, side: float, load: float) -> tuple[float, float, float]:
     """Return the ground's force on one element.
@@ -128,6 +128,43 @@ def mobilised_force(x: float, y: float, z: float, share: float, normal_x: float,
     stress_x, stress_z = plate_stress(x, z, normal_x, normal_z)
     force_y = -y * share * load * side * NEWTON_PER_CUBIC_METRE
     return stress_x * in_plane, force_y, stress_z * in_plane
+
+
+@njit(cache=True, inline='always', error_model='numpy')
+def displaced(memory: FloatArray, velocity_x: float, velocity_y: float, velocity_z: float,
+              dt: float, limit: float, damping: float) -> tuple[float, float, float, float]:
+    """Move an element's displacement on by one step and return what the ground feels of it.
+
+    Parameters
+    ----------
+    memory : (3,) float
+        Displacement u of the ground at the element, heading frame [m]; it is changed.
+    velocity_x, velocity_y, velocity_z : float
+        Of the element, heading frame [m/s].
+    dt : float [s]
+    limit : float
+        Displacement at which the ground yields fully, delta [m].
+    damping : float
+        Time constant tau_d [s].
+
+    Returns
+    -------
+    (x, y, z, share) : what `mobilised_force` takes [m], [1/m].
+
+    Notes
+    -----
+    u <- u + v dt, clipped to |u| <= delta; e = u + tau_d v; share = 1 / max(|e|, delta). Resistive
+    force theory itself says nothing at rest; without a memory a standing robot creeps.
+    """
+    x = memory[0] + velocity_x * dt
+    y = memory[1] + velocity_y * dt
+    z = memory[2] + velocity_z * dt
+    length = math.sqrt(x * x + y * y + z * z)
+    if length > limit:
+        x, y, z = x * limit / length, y * limit / length, z * limit / length
+    memory[0], memory[1], memory[2] = x, y, z
+    x, y, z = x + damping * velocity_x, y + damping * velocity_y, z + damping * velocity_z
+    return x, y, z, 1.0 / max(limit, math.sqrt(x * x + y * y + z * z))
 
 
 @njit(cache=True)

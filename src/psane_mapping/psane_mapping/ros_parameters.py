@@ -31,7 +31,7 @@ _HIGHEST_INTEGER = 2**63 - 1
 
 
 def descriptor_of(entry: 'Field[Any]') -> ParameterDescriptor:
-    """Return the ROS descriptor of a field: meaning with unit, closed range, choices, read-only."""
+    """Return a field as ROS describes it: meaning and unit, range, choices, read-only."""
     declared = declaration_of(entry)
     descriptor = ParameterDescriptor(
         description=f'{declared.meaning} [{declared.unit}]', read_only=declared.read_only)

@@ -92,8 +92,9 @@ class Tiling:
     def cells_in_window(self) -> tuple[FloatArray, FloatArray]:
         """Return the centres of a block's cells along y and x, from its window's corner [m]."""
         step = self.grid.resolution
-        return (self.margin + (np.arange(self.tile_rows) + 0.5) * step,
-                self.margin + (np.arange(self.tile_columns) + 0.5) * step)
+        along_y = self.margin + (np.arange(self.tile_rows, dtype=np.float64) + 0.5) * step
+        along_x = self.margin + (np.arange(self.tile_columns, dtype=np.float64) + 0.5) * step
+        return along_y, along_x
 
     def reached_from(self, point: FloatArray) -> Iterator[tuple[int, int]]:
         """Yield the (row, column) of each block whose window holds a point (2,) [m], map frame."""

@@ -65,7 +65,7 @@ class SpectralWindow:
 
     def observe(self, x: float, y: float, value: float, variance: float) -> Evidence:
         """Take in a measurement at a point from the window's corner [m]; the prior mean is 0."""
-        features = self._deviation * self._basis.at(x, y)
+        features = self._deviation * self._basis.at(np.array([[x, y]]))[0]
         gain, innovation, innovation_variance = observe(
             self._covariance, self._weights, features, value, variance)
         basis = self._basis
@@ -75,8 +75,8 @@ class SpectralWindow:
         return Evidence(covariance, innovation, innovation_variance)
 
     def restore(self, records: FloatArray) -> None:
-        """Rebuild from measurements (n, 4): x, y [m], value, variance; the same up to round-off."""
-        features = np.array([self._basis.at(x, y) for x, y in records[:, :2]]) * self._deviation
+        """Rebuild from measurements (n, 4): x, y [m], value, variance; equal up to round-off."""
+        features = self._deviation * self._basis.at(records[:, :2])
         weighted = features / records[:, 3:4]
         information = features.T @ weighted
         information[np.diag_indices_from(information)] += 1.0
@@ -112,6 +112,10 @@ class DenseWindow:
         self._merge_distance = merge_distance
         self._sites: dict[tuple[float, float], FloatArray] = {}
         self._count = 0
+        self._points = np.zeros((0, 2))
+        self._factor = np.zeros((0, 0))
+        self._whitened = np.zeros(0)
+        self._shared = np.zeros((0, cells.shape[0]))
         self._allocate(self._SLACK)
 
     def observe(self, x: float, y: float, value: float, variance: float) -> Evidence:
@@ -151,19 +155,17 @@ class DenseWindow:
         edge = self._merge_distance
         key = (x // edge, y // edge) if edge > 0.0 else (x, y)
         sums = np.array([x, y, value, 1.0]) / variance
-        self._sites[key] = self._sites.get(key, 0.0) + sums
+        self._sites[key] = self._sites.get(key, np.zeros(4)) + sums
 
     def _allocate(self, capacity: int) -> None:
         n = self._count
-        sizes = {'_points': (capacity, 2), '_factor': (capacity, capacity),
-                 '_whitened': (capacity,), '_shared': (capacity, self._cells.shape[0])}
-        for name, size in sizes.items():
-            array = np.zeros(size)
-            if n:
-                array[tuple(slice(n) if edge == capacity else slice(None) for edge in size)] = (
-                    getattr(self, name)[tuple(slice(n) if edge == capacity else slice(None)
-                                              for edge in size)])
-            setattr(self, name, array)
+        points, factor = np.zeros((capacity, 2)), np.zeros((capacity, capacity))
+        whitened, shared = np.zeros(capacity), np.zeros((capacity, self._cells.shape[0]))
+        if n:
+            points[:n], factor[:n, :n] = self._points[:n], self._factor[:n, :n]
+            whitened[:n], shared[:n] = self._whitened[:n], self._shared[:n]
+        self._points, self._factor = points, factor
+        self._whitened, self._shared = whitened, shared
 
     def _rebuild(self) -> None:
         """Start again from one measurement for each distinct place."""

@@ -1,1 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
+"""Certifies where the robot may walk and chooses where to look next."""

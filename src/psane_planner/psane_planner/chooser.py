@@ -2,8 +2,8 @@
 """Which frontier the robot is on its way to, from one cycle to the next."""
 
 import numpy as np
-from psane_mapping.grid import FloatArray, Grid
 
+from psane_mapping.grid import FloatArray, Grid
 from psane_planner.configuration import PlannerConfiguration
 from psane_planner.discs import Integers, Mask
 from psane_planner.scores import FrontierScores

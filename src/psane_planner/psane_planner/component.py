@@ -6,6 +6,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+
 from psane_mapping.grid import FloatArray, Grid
 
 
@@ -37,4 +38,5 @@ def component_around(certified: NDArray[np.bool_], grid: Grid,
     nearest = int(np.argmin(np.where(certified, squared, np.inf)))
     _, labels = cv2.connectedComponents(certified.astype(np.uint8), connectivity=4)
     mask = np.asarray(labels == labels.flat[nearest])
+    mask.setflags(write=False)
     return Component(mask, float(np.sqrt(squared.flat[nearest])))

@@ -4,8 +4,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from psane_mapping.grid import FloatArray
 
+from psane_mapping.grid import FloatArray
 from psane_planner.errors import MapError
 
 

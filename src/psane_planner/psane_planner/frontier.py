@@ -3,8 +3,8 @@
 
 import cv2
 import numpy as np
-from psane_mapping.grid import FloatArray
 
+from psane_mapping.grid import FloatArray
 from psane_planner.configuration import PlannerConfiguration
 from psane_planner.discs import Integers, Mask, count_in_discs, squared_radii
 

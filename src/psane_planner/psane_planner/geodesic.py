@@ -4,8 +4,8 @@
 import math
 
 import numpy as np
-from psane_mapping.grid import FloatArray, Grid
 
+from psane_mapping.grid import FloatArray, Grid
 from psane_planner.compiled import compiled
 from psane_planner.discs import Integers, Mask
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from psane_mapping.grid import FloatArray
 
+from psane_mapping.grid import FloatArray
 from psane_planner.configuration import PlannerConfiguration
 
 
@@ -69,11 +69,10 @@ class FrontierMemory:
                 resting |= (aside**2).sum(axis=1) <= self._configuration.neighbourhood**2
         return resting
 
-    def next_return(self, now: float) -> float:
-        """Return the time until the first resting frontier is tried again [s], infinite if none."""
-        waits = [visit.resting_until - now for visit in self._visits
-                 if visit.resting_until > now]
-        return min(waits, default=float('inf'))
+    def wake(self) -> None:
+        """Let all frontiers be tried again."""
+        for visit in self._visits:
+            visit.resting_until = float('-inf')
 
     def _visit_at(self, point: FloatArray, record: int, now: float) -> _Visit:
         limit = self._configuration.neighbourhood

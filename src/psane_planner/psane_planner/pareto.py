@@ -3,6 +3,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+
 from psane_mapping.grid import FloatArray
 
 

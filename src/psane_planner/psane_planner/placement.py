@@ -3,9 +3,10 @@
 
 import numpy as np
 import shapely
-from psane_mapping.grid import FloatArray
 from shapely.geometry import Polygon
 from shapely.ops import nearest_points
+
+from psane_mapping.grid import FloatArray
 
 
 class Placement:

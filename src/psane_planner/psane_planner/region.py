@@ -2,17 +2,17 @@
 """Certified cells to the polygon in which the robot may be steered."""
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import contourpy
 import cv2
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from psane_mapping.grid import FloatArray, Grid
 from shapely.geometry import Polygon
 from shapely.geometry.polygon import orient
 
+from psane_mapping.grid import FloatArray, Grid
 from psane_planner.discs import Mask
 
 # What rounding to float32 in the distance transform may add [m].
@@ -65,21 +65,22 @@ class RegionBuilder:
     point is a lattice point too, so one exact distance transform (Felzenszwalb & Huttenlocher)
     gives the distance to the uncertified squares themselves, not to their centres.
 
-    The contour is drawn at clearance + tolerance. Distance to a set is the least of cones; where
-    it is at least the clearance r, linear interpolation over spacing s overestimates it by at most
-    s^2 / (4 r). The rest of the tolerance goes to the simplification, which moves the edge by no
-    more than that; as distance changes no faster than position, what comes out keeps the
-    clearance everywhere.
+    The contour is drawn at clearance + tolerance. Distance to a set is the least of cones, and at
+    distance r a cone bends by 1 / r at most: interpolation between lattice points s apart
+    overestimates it by at most s^2 / (8 r), and the straight piece of contour across a mesh, at
+    most sqrt(2) s long, by s^2 / (4 r) more. The rest of the tolerance goes to the
+    simplification (Douglas & Peucker 1973), which moves the edge by no more than that; as
+    distance changes no faster than position, what comes out keeps the clearance everywhere.
     """
 
     def __init__(self, grid: Grid, clearance: float, tolerance: float) -> None:
-        """Fix the lattice: fine enough for interpolation to take half of the tolerance."""
+        """Make the lattice so fine that interpolation takes at most half of the tolerance."""
         self._grid = grid
         self._level = clearance + tolerance
         finest = math.sqrt(2.0 * clearance * tolerance)
         self._subdivision = max(2, math.ceil(grid.resolution / finest))
         spacing = grid.resolution / self._subdivision
-        interpolation = spacing**2 / (4.0 * clearance)
+        interpolation = 3.0 * spacing**2 / (8.0 * clearance)
         self._simplification = max(0.0, tolerance - interpolation - _ROUNDING)
         self._drawn: _Drawing | None = None
 
@@ -131,9 +132,8 @@ class RegionBuilder:
     def _measure(self, certified: Mask, component: Mask) -> _Lattice:
         grid, fine = self._grid, self._subdivision
         margin = math.ceil(self._level / grid.resolution) + 1
-        used_rows, used_columns = component.any(axis=1), component.any(axis=0)
-        rows = _window(used_rows, margin)
-        columns = _window(used_columns, margin)
+        rows = _window(np.asarray(component.any(axis=1)), margin)
+        columns = _window(np.asarray(component.any(axis=0)), margin)
         blocked = np.pad(~certified[rows, columns], 1, constant_values=True)
         free = np.ones((blocked.shape[0] * fine + 1, blocked.shape[1] * fine + 1), np.uint8)
         for i in range(fine + 1):
@@ -149,13 +149,15 @@ class RegionBuilder:
     def _outline(self, lattice: _Lattice) -> list[Polygon]:
         tracer = contourpy.contour_generator(z=lattice.distance,
                                              fill_type=contourpy.FillType.OuterOffset)
-        points, offsets = tracer.filled(self._level, float('inf'))
+        filled = tracer.filled(self._level, float('inf'))
+        points, offsets = cast('tuple[list[FloatArray], list[NDArray[np.uint32]]]', filled)
         pieces = []
         for path, ends in zip(points, offsets, strict=True):
             path = path * lattice.spacing + (lattice.origin_x, lattice.origin_y)
             rings = [path[a:b] for a, b in zip(ends[:-1], ends[1:], strict=True)]
-            piece = Polygon(rings[0], [ring for ring in rings[1:] if len(ring) > 3])
-            pieces += _polygons_of(piece)
+            piece = Polygon(rings[0], rings[1:]) if len(rings[0]) > 3 else Polygon()
+            if piece.area > 0.0:
+                pieces.append(piece)
         return pieces
 
     def _is_within(self, component: Mask, piece: Polygon) -> bool:
@@ -163,9 +165,15 @@ class RegionBuilder:
         return bool(component[row, column])
 
     def _simplify(self, piece: Polygon) -> Polygon:
-        simple = piece.simplify(self._simplification, preserve_topology=True)
-        is_sound = simple.is_valid and isinstance(simple, Polygon) and simple.area > 0.0
-        return orient(simple if is_sound else piece, sign=1.0)
+        """Drop vertices; where that makes rings cross, in the slow way that never does."""
+        simple = _without_needless_vertices(piece, self._simplification)
+        if not _is_like(simple, piece):
+            sound = _largest(piece)
+            # As a polygon's, the closing vertex may go too, after which twice the tolerance
+            # is what an edge may have moved by.
+            simple = sound.simplify(self._simplification / 2.0, preserve_topology=True)
+            simple = simple if _is_like(simple, sound) else sound
+        return orient(simple, sign=1.0)
 
     def _cells_of(self, lattice: _Lattice, piece: Polygon) -> Mask:
         """Return the cells with a lattice point inside the outline."""
@@ -193,9 +201,21 @@ def _window(used: NDArray[np.bool_], margin: int) -> slice:
     return slice(max(0, int(indices[0]) - margin), min(used.size, int(indices[-1]) + margin + 1))
 
 
-def _polygons_of(shape: Polygon) -> list[Polygon]:
-    """Return the sound polygons in a shape that may touch itself."""
-    if not shape.is_valid:
-        shape = shapely.make_valid(shape)
-    parts = shapely.get_parts(shape)
-    return [part for part in parts if isinstance(part, Polygon) and part.area > 0.0]
+def _without_needless_vertices(piece: Polygon, tolerance: float) -> Polygon:
+    """Simplify each ring as a line, which keeps the vertex where the ring closes."""
+    rings = [shapely.LineString(ring.coords) for ring in (piece.exterior, *piece.interiors)]
+    outer, *holes = (ring.simplify(tolerance, preserve_topology=False).coords for ring in rings)
+    is_flat = any(len(ring) < 4 for ring in (outer, *holes))
+    return Polygon() if is_flat else Polygon(outer, holes)
+
+
+def _is_like(shape: Polygon, original: Polygon) -> bool:
+    """Tell whether `shape` is a sound polygon with as many holes as its original."""
+    return (isinstance(shape, Polygon) and not shape.is_empty
+            and len(shape.interiors) == len(original.interiors) and bool(shape.is_valid))
+
+
+def _largest(shape: Polygon) -> Polygon:
+    """Return the largest sound polygon in a shape whose rings may touch or cross."""
+    parts = shapely.get_parts(shapely.make_valid(shape))
+    return max((part for part in parts if isinstance(part, Polygon)), key=lambda part: part.area)

@@ -2,11 +2,11 @@
 """The certified cells: where slip stays below the threshold with the chosen confidence."""
 
 import numpy as np
-from psane_mapping.grid import FloatArray, Grid
 
+from psane_mapping.grid import FloatArray, Grid
 from psane_planner.component import component_around
-from psane_planner.configuration import PlannerConfiguration
 from psane_planner.confidence import Bounds
+from psane_planner.configuration import PlannerConfiguration
 from psane_planner.discs import NO_DISC, Mask, squared_radii, union_of_discs
 
 
@@ -45,11 +45,12 @@ class SafeSet:
     that has become empty starts over from there.
     """
 
-    def __init__(self, configuration: PlannerConfiguration, grid: Grid) -> None:
-        """Start with no certified cell."""
+    def __init__(self, configuration: PlannerConfiguration, grid: Grid,
+                 mask: Mask | None = None) -> None:
+        """Start with `mask` (rows, columns) as S_{t-1}, by default with no certified cell."""
         self._configuration = configuration
         self._grid = grid
-        self.mask: Mask = np.zeros(grid.shape, dtype=np.bool_)
+        self.mask: Mask = np.zeros(grid.shape, dtype=np.bool_) if mask is None else mask
 
     def update(self, bounds: Bounds, mean: FloatArray, admissible: Mask,
                position: FloatArray) -> Mask:

@@ -4,7 +4,6 @@
 from dataclasses import dataclass
 
 from psane_mapping.grid import FloatArray
-
 from psane_planner.confidence import Bounds
 from psane_planner.discs import Mask
 from psane_planner.region import Region

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from psane_mapping.grid import FloatArray
 
+from psane_mapping.grid import FloatArray
 from psane_planner.discs import Integers
 from psane_planner.pareto import pareto_front
 

@@ -4,9 +4,9 @@
 from dataclasses import dataclass
 from enum import IntEnum
 
-from psane_mapping.grid import FloatArray
 from shapely.geometry import Polygon
 
+from psane_mapping.grid import FloatArray
 from psane_planner.discs import Mask
 from psane_planner.scores import FrontierScores
 

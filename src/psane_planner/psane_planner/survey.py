@@ -4,8 +4,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from psane_mapping.grid import FloatArray, Grid
 
+from psane_mapping.grid import FloatArray, Grid
 from psane_planner.configuration import PlannerConfiguration
 from psane_planner.discs import Integers, Mask
 from psane_planner.frontier import expansion_counts, frontier_cells

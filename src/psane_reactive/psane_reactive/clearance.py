@@ -1,45 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Exact distances to the border of a region, compiled, for many small questions per tick."""
+"""Exact distances to the border of a region, for many small questions per tick."""
 
 import math
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import shapely
 from numba import njit
+
 from psane_mapping.grid import FloatArray
+from psane_reactive.border_index import LISTED, Segments, bucket_of, index_segments, nearest_border
 
-Area = shapely.Polygon | shapely.MultiPolygon
-
-
-@njit(cache=True)  # type: ignore[misc]
-def _nearest(segments: FloatArray, x: float, y: float) -> tuple[float, float, float, bool]:
-    """Return squared distance, nearest border point and whether (x, y) is inside (even-odd)."""
-    best = np.inf
-    best_x = np.nan
-    best_y = np.nan
-    inside = False
-    for i in range(segments.shape[0]):
-        ax, ay, bx, by = segments[i, 0], segments[i, 1], segments[i, 2], segments[i, 3]
-        dx, dy = bx - ax, by - ay
-        if (ay > y) != (by > y) and x < ax + (y - ay) / dy * dx:
-            inside = not inside
-        along = ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy)
-        along = min(1.0, max(0.0, along))
-        px, py = ax + along * dx, ay + along * dy
-        square = (px - x) ** 2 + (py - y) ** 2
-        if square < best:
-            best, best_x, best_y = square, px, py
-    return best, best_x, best_y, inside
+Area: TypeAlias = shapely.Polygon | shapely.MultiPolygon
 
 
 @njit(cache=True)  # type: ignore[misc]
-def _outside_distances(segments: FloatArray, points: FloatArray) -> FloatArray:
-    """Return signed distances, negative inside, (n,) [m]."""
+def outside_distance(segments: Segments, x: float, y: float) -> float:
+    """Return the signed distance of (x, y) to the border, negative inside [m]."""
+    square, _, _, inside = nearest_border(segments, x, y)
+    return -math.sqrt(square) if inside else math.sqrt(square)
+
+
+@njit(cache=True)  # type: ignore[misc]
+def _outside_distances(segments: Segments, points: FloatArray) -> FloatArray:
     distances = np.empty(points.shape[0])
     for i in range(points.shape[0]):
-        square, _, _, inside = _nearest(segments, points[i, 0], points[i, 1])
-        distances[i] = -math.sqrt(square) if inside else math.sqrt(square)
+        distances[i] = outside_distance(segments, points[i, 0], points[i, 1])
     return distances
 
 
@@ -49,16 +35,31 @@ def _cross(ax: float, ay: float, bx: float, by: float) -> float:
 
 
 @njit(cache=True)  # type: ignore[misc]
-def _segment_distance(segments: FloatArray, px: float, py: float, qx: float, qy: float,
-                      cap: float) -> float:
+def _square_to(x: float, y: float, ax: float, ay: float, dx: float, dy: float,
+               length: float) -> float:
+    """Return the squared distance of (x, y) to the segment from a along d, |d|^2 = length."""
+    along = min(1.0, max(0.0, ((x - ax) * dx + (y - ay) * dy) / length))
+    return (ax + along * dx - x) ** 2 + (ay + along * dy - y) ** 2
+
+
+@njit(cache=True)  # type: ignore[misc]
+def segment_distance(segments: Segments, px: float, py: float, qx: float, qy: float,
+                     cap: float) -> float:
     """Return the distance of the segment p-q to the border, 0 when it crosses, at most `cap`."""
     low_x, high_x = min(px, qx) - cap, max(px, qx) + cap
     low_y, high_y = min(py, qy) - cap, max(py, qy) + cap
     best = cap * cap
     dx, dy = qx - px, qy - py
     length = max(dx * dx + dy * dy, 1e-18)
-    for i in range(segments.shape[0]):
-        ax, ay, bx, by = segments[i, 0], segments[i, 1], segments[i, 2], segments[i, 3]
+    ends = segments.ends
+    bucket = bucket_of(segments, px, py)
+    # All that a short segment can come near is listed in its bucket.
+    is_listed = bucket >= 0 and math.sqrt(length) + cap < LISTED
+    first = segments.offsets[bucket] if is_listed else 0
+    last = segments.offsets[bucket + 1] if is_listed else ends.shape[0]
+    for entry in range(first, last):
+        i = segments.entries[entry] if is_listed else entry
+        ax, ay, bx, by = ends[i, 0], ends[i, 1], ends[i, 2], ends[i, 3]
         if (max(ax, bx) < low_x or min(ax, bx) > high_x
                 or max(ay, by) < low_y or min(ay, by) > high_y):
             continue
@@ -70,17 +71,11 @@ def _segment_distance(segments: FloatArray, px: float, py: float, qx: float, qy:
         if side_a * side_b < 0.0 and side_p * side_q < 0.0:
             return 0.0
         edge = ex * ex + ey * ey
-        for k in range(4):
-            # End points of one segment against the other one.
-            if k < 2:
-                sx, sy = (px, py) if k == 0 else (qx, qy)
-                t = min(1.0, max(0.0, ((sx - ax) * ex + (sy - ay) * ey) / edge))
-                gap = (ax + t * ex - sx) ** 2 + (ay + t * ey - sy) ** 2
-            else:
-                sx, sy = (ax, ay) if k == 2 else (bx, by)
-                t = min(1.0, max(0.0, ((sx - px) * dx + (sy - py) * dy) / length))
-                gap = (px + t * dx - sx) ** 2 + (py + t * dy - sy) ** 2
-            best = min(best, gap)
+        # Segments that do not cross are nearest at an end of one of them.
+        best = min(best, _square_to(px, py, ax, ay, ex, ey, edge),
+                   _square_to(qx, qy, ax, ay, ex, ey, edge),
+                   _square_to(ax, ay, px, py, dx, dy, length),
+                   _square_to(bx, by, px, py, dx, dy, length))
     return math.sqrt(best)
 
 
@@ -115,14 +110,11 @@ class Border:
         parts = area.geoms if isinstance(area, shapely.MultiPolygon) else (area,)
         rings = [ring for part in parts for ring in (part.exterior, *part.interiors)]
         pieces = [_ring_segments(np.asarray(ring.coords)[:, :2]) for ring in rings]
-        self.segments = np.ascontiguousarray(np.concatenate(pieces), dtype=np.float64)
-        self.segments.setflags(write=False)
+        self.segments = index_segments(np.ascontiguousarray(np.concatenate(pieces), np.float64))
 
     def outside_distance(self, point: Any) -> float:
         """Signed distance of a point (2,) [m] to the border; negative inside."""
-        square, _, _, inside = _nearest(self.segments, float(point[0]), float(point[1]))
-        distance = math.sqrt(square)
-        return -distance if inside else distance
+        return float(outside_distance(self.segments, float(point[0]), float(point[1])))
 
     def outside_distances(self, points: FloatArray) -> FloatArray:
         """Signed distances of points (n, 2) [m], negative inside, (n,) [m]."""
@@ -132,22 +124,22 @@ class Border:
 
     def nearest(self, point: Any) -> FloatArray:
         """Return the border point nearest to a point, (2,) [m]."""
-        _, x, y, _ = _nearest(self.segments, float(point[0]), float(point[1]))
+        _, x, y, _ = nearest_border(self.segments, float(point[0]), float(point[1]))
         return np.array((x, y))
 
     def segment_distance(self, start: Any, end: Any, cap: float) -> float:
         """Distance between a straight segment and the border, 0 when they cross, <= `cap` [m]."""
-        return float(_segment_distance(self.segments, float(start[0]), float(start[1]),
-                                       float(end[0]), float(end[1]), cap))
+        return float(segment_distance(self.segments, float(start[0]), float(start[1]),
+                                      float(end[0]), float(end[1]), cap))
 
     def ray(self, point: Any, heading: float, reach: float) -> float:
         """Distance from a point along a heading [rad] to the border, at most `reach` [m]."""
-        return float(_ray(self.segments, float(point[0]), float(point[1]), math.cos(heading),
+        return float(_ray(self.segments.ends, float(point[0]), float(point[1]), math.cos(heading),
                           math.sin(heading), reach))
 
 
 def _ring_segments(ring: FloatArray) -> FloatArray:
-    """Return the segments (n, 4) of a closed ring of coordinates, those without length left out."""
+    """Return the segments (n, 4) of a closed ring of coordinates that have a length."""
     segments = np.hstack((ring[:-1], ring[1:]))
     lengths = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
     kept: FloatArray = segments[lengths > 1e-12]

@@ -35,8 +35,13 @@ class ReactiveConfiguration(Configuration):
 
     mesh_edge: float = parameter(0.1, 'edge of the mesh of the region', unit='m', low=0.02,
                                  high=1.0)
+    mesh_size: int = parameter(
+        3000, 'number of mesh vertices above which the edge is made longer', low=200, high=100000)
+    smoothing_radius: float = parameter(
+        0.002, 'radius of the finest corner that the map follows; necks below four are shut',
+        unit='m', low=0.0005, high=0.05)
     hole_stiffness: float = parameter(
-        3.0, 'pull of a hole on its border; large values shrink it to a point', low=0.01,
+        1.0, 'pull of a hole on its border; large values shrink it to a point', low=0.01,
         high=1000.0)
     field_cell: float = parameter(0.05, 'cell of the fallback field', unit='m', low=0.01, high=0.5)
     field_length: float = parameter(
@@ -70,8 +75,6 @@ class ReactiveConfiguration(Configuration):
         low=0.0, high=5.0)
     reverse_above: float = parameter(
         2.0, 'heading error from which a target counts as behind', unit='rad', low=1.6, high=3.1)
-    is_holonomic: bool = parameter(
-        False, 'lateral speed is commanded too, for robots that can step sideways')
     arrival_tolerance: float = parameter(
         0.1, 'distance at which a subgoal counts as reached', unit='m', low=0.01, high=1.0)
 
@@ -81,11 +84,10 @@ class ReactiveConfiguration(Configuration):
         0.5, 'time over which the motion must stay inside the region', unit='s', low=0.05,
         high=5.0)
     stop_margin: float = parameter(
-        0.005, 'distance from the edge at which the predicted motion must end', unit='m',
+        0.002, 'distance from the edge at which the predicted motion must end', unit='m',
         low=0.0, high=0.1)
-    yaw_slip: float = parameter(
-        0.5, 'share of the commanded yaw rate that may be lost to slip', unit='-', low=0.0,
-        high=1.0)
+    slip_share: float = parameter(
+        0.5, 'share of the commanded speed or yaw rate that slip may take', low=0.0, high=1.0)
     outside_tolerance: float = parameter(
         0.01, 'distance outside the region from which the robot is led back', unit='m', low=0.0,
         high=0.5)

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from psane_mapping.grid import FloatArray, IndexArray
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import splu
 
+from psane_mapping.grid import FloatArray, IndexArray
 from psane_reactive.errors import MapError
 from psane_reactive.mesh import Mesh
 

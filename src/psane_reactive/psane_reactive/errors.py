@@ -14,8 +14,8 @@ class MeshError(ReactiveError, RuntimeError):
     """No triangulation holds all edges of the region's border."""
 
     def __init__(self, missing: int, vertices: int) -> None:
-        super().__init__(f'{missing} border edges are missing from the mesh of {vertices} vertices, '
-                         'expected 0; smooth the region or steer by the field')
+        super().__init__(f'{missing} border edges are missing from the mesh of {vertices} '
+                         'vertices, expected 0; smooth the region or steer by the field')
         self.missing = missing
         self.vertices = vertices
 

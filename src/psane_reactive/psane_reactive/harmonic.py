@@ -3,21 +3,21 @@
 
 import numpy as np
 import shapely
-from psane_mapping.grid import FloatArray
 
+from psane_mapping.grid import FloatArray
 from psane_reactive.clearance import Border
 from psane_reactive.embedding import Embedding, doubled_areas, embed
 from psane_reactive.errors import MapError
 from psane_reactive.mesh import Mesh, mesh_region
 from psane_reactive.model_map import Way
-from psane_reactive.region import smooth_polygon
-from psane_reactive.trace import (barycentric, fill_buckets, locate, neighbours_of,
-                                  pull_back_line)
+from psane_reactive.trace import barycentric, fill_buckets, locate, neighbours_of, pull_back_line
 
-# Radius of the finest corner or neck that the mesh follows [m].
-SMOOTHING_RADIUS = 0.004
 # Images thinner than this are lost in rounding: coordinates in the disk are known to 1e-16.
 _THINNEST = 1e-12
+# Triangles of the region below this doubled area have no direction [m^2].
+_SMALLEST = 1e-13
+# A point farther from the mesh than this lies in a part that smoothing has cut off [m].
+_FARTHEST = 0.05
 
 
 class HarmonicMap:
@@ -26,6 +26,7 @@ class HarmonicMap:
     Parameters
     ----------
     polygon : Polygon, map frame [m]
+        Without pinch points or cusps (see `smooth_parts`).
     edge : float
         Edge of the mesh [m].
     stiffness : float
@@ -38,8 +39,8 @@ class HarmonicMap:
     """
 
     def __init__(self, polygon: shapely.Polygon, edge: float = 0.1,
-                 stiffness: float = 3.0) -> None:
-        self.polygon = smooth_polygon(polygon, SMOOTHING_RADIUS)
+                 stiffness: float = 1.0) -> None:
+        self.polygon = polygon
         self.mesh: Mesh = mesh_region(self.polygon, edge)
         self.embedding = self._best_embedding(stiffness)
         self.border = Border(self.polygon)
@@ -69,6 +70,7 @@ class HarmonicMap:
         corners = model[triangles]
         longest = np.max(np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2), axis=1)
         usable = area > _THINNEST * np.maximum(longest, _THINNEST)
+        usable &= doubled_areas(self.mesh.vertices, triangles) > _SMALLEST
         if not usable.any():
             raise MapError('no triangle keeps its orientation, expected all to; '
                            'the region is too long and thin for this map')
@@ -125,6 +127,8 @@ class HarmonicMap:
         start_point, start = self.nearest_inside(position)
         goal_point, end = self.nearest_inside(goal)
         if not (self.is_usable[start] and self.is_usable[end]):
+            return None
+        if max(np.hypot(*(start_point - position)), np.hypot(*(goal_point - goal))) > _FARTHEST:
             return None
         points, outcome = pull_back_line(
             self.mesh.vertices, self.embedding.model, self.embedding.triangles, self._neighbours,

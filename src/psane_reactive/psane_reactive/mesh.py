@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from psane_mapping.grid import FloatArray, IndexArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay, QhullError
 
+from psane_mapping.grid import FloatArray, IndexArray
 from psane_reactive.clearance import Border
 from psane_reactive.errors import MeshError
 
@@ -18,6 +18,7 @@ from psane_reactive.errors import MeshError
 # straight border never makes a triangle without area.
 _DENT = 1e-6
 _ROUNDS = 14
+_LARGEST_LATTICE = 1000000
 
 
 @dataclass(frozen=True)
@@ -93,6 +94,7 @@ def _ring_points(ring: shapely.LinearRing, edge: float, is_hole: bool) -> FloatA
 def _interior_points(polygon: shapely.Polygon, edge: float) -> FloatArray:
     """Return points of a hexagonal lattice that keep away from the border, (n, 2) [m]."""
     low_x, low_y, high_x, high_y = polygon.bounds
+    edge = max(edge, float(np.sqrt((high_x - low_x) * (high_y - low_y) / _LARGEST_LATTICE)))
     x = np.arange(low_x, high_x + edge, edge)
     y = np.arange(low_y, high_y + edge, edge * 0.75**0.5)
     lattice_x, lattice_y = np.meshgrid(x, y)

@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 import shapely
-from psane_mapping.grid import FloatArray
+import shapely.ops
 
+from psane_mapping.grid import FloatArray
 from psane_reactive.clearance import Area, Border
 from psane_reactive.errors import RegionError
 
@@ -34,37 +35,41 @@ def clean_region(area: Any) -> Area:
     valid = area if area.is_valid else shapely.make_valid(area)
     parts = [part for part in _polygons(shapely.force_2d(valid)) if part.area > SMALLEST_AREA]
     if not parts:
-        raise RegionError(f'region has an area of {area.area:.2g} m^2, '
+        raise RegionError(f'region has an area of {area.area:.3g} m^2, '
                           f'expected a part above {SMALLEST_AREA:g} m^2')
     parts = [shapely.geometry.polygon.orient(part) for part in parts]
     return parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts)
 
 
-def component_near(area: Area, point: FloatArray) -> shapely.Polygon:
-    """Return the polygon that holds a point (2,) [m], or the one nearest to it."""
-    if isinstance(area, shapely.Polygon):
-        return area
-    return min(area.geoms, key=lambda part: float(part.distance(shapely.Point(point))))
+def nearest_part(parts: list[shapely.Polygon], point: FloatArray) -> int:
+    """Return the index of the polygon that holds a point (2,) [m], or of the nearest one."""
+    if len(parts) == 1:
+        return 0
+    distances = [float(part.distance(shapely.Point(point))) for part in parts]
+    return distances.index(min(distances))
 
 
-def smooth_polygon(polygon: shapely.Polygon, radius: float) -> shapely.Polygon:
-    """Return a polygon inside `polygon` whose corners and necks are no finer than `radius` [m].
+def smooth_parts(area: Area, radius: float) -> list[shapely.Polygon]:
+    """Return the parts of an area whose corners and necks are no finer than `radius` [m].
 
     Notes
     -----
     Eroding by twice the radius and growing by once opens pinch points (holes that touch the
-    border or each other) and removes cusps; what is left lies about a radius inside the old border,
-    so that a simplification by half a radius stays inside as well.
+    border or each other) and removes cusps and necks narrower than four radii, which no robot
+    that keeps a margin can pass. What is left lies about a radius inside the old border, so that
+    a simplification by half a radius stays inside as well. When nothing is left the area's own
+    parts are returned.
     """
-    opened = polygon.buffer(-2.0 * radius, quad_segs=2).buffer(radius, quad_segs=2)
+    opened = area.buffer(-2.0 * radius, quad_segs=2).buffer(radius, quad_segs=2)
     parts = [part for part in _polygons(opened.simplify(0.5 * radius))
              if part.area > SMALLEST_AREA and part.is_valid]
-    if not parts:
-        raise RegionError(f'region is thinner than {4.0 * radius:g} m everywhere')
-    largest = max(parts, key=lambda part: float(part.area))
-    holes = [ring for ring in largest.interiors
-             if shapely.Polygon(ring).area > radius * radius]
-    return shapely.geometry.polygon.orient(shapely.Polygon(largest.exterior, holes))
+    return [_without_small_holes(part, radius * radius) for part in parts or _polygons(area)]
+
+
+def _without_small_holes(polygon: shapely.Polygon, smallest: float) -> shapely.Polygon:
+    """Return a polygon without the holes whose area is below `smallest` [m^2]."""
+    holes = [ring for ring in polygon.interiors if shapely.Polygon(ring).area > smallest]
+    return shapely.geometry.polygon.orient(shapely.Polygon(polygon.exterior, holes))
 
 
 def point_inside(border: Border, area: Area, point: FloatArray, depth: float) -> FloatArray:

@@ -3,9 +3,9 @@
 
 import numpy as np
 import shapely
-from psane_mapping.grid import FloatArray
 
-from psane_reactive.region import component_near
+from psane_mapping.grid import FloatArray
+from psane_reactive.region import clean_region, nearest_part, smooth_parts
 
 
 def random_snake(random: np.random.Generator, steps: int = 60, width: float = 0.25,
@@ -36,8 +36,8 @@ def random_snake(random: np.random.Generator, steps: int = 60, width: float = 0.
         centres.append(point)
     radii = random.uniform(0.5 * width, 1.5 * width, len(centres))
     disks = shapely.buffer(shapely.points(np.array(centres)), radii, quad_segs=4)
-    region = shapely.union_all(disks).buffer(0.05).buffer(-0.05)
-    return component_near(region, centres[0])
+    parts = smooth_parts(shapely.union_all(disks).buffer(0.05).buffer(-0.05), 0.005)
+    return clean_region(parts[nearest_part(parts, centres[0])])
 
 
 def star_world(random: np.random.Generator, holes: int = 8, side: float = 10.0,

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 from numba import njit
+
 from psane_mapping.grid import FloatArray, IndexArray
 
 
@@ -22,10 +23,10 @@ def neighbours_of(triangles: IndexArray) -> IndexArray:
     return np.where(found, twin // 3, -1).reshape(-1, 3)
 
 
-@njit(cache=True)  # type: ignore[misc]
+@njit(cache=True, error_model='numpy')  # type: ignore[misc]
 def barycentric(points: FloatArray, triangle: IndexArray, x: float, y: float,
                 ) -> tuple[float, float, float]:
-    """Return the barycentric coordinates of (x, y) in a triangle [-]."""
+    """Return the barycentric coordinates of (x, y) [-]; not finite in one without area."""
     ax, ay = points[triangle[0], 0], points[triangle[0], 1]
     bx, by = points[triangle[1], 0] - ax, points[triangle[1], 1] - ay
     cx, cy = points[triangle[2], 0] - ax, points[triangle[2], 1] - ay

@@ -29,11 +29,24 @@ class SimulatorConfiguration(Configuration):
         4.0, 'how fast the sweep follows a new command', unit='rad/s', low=0.1, high=100.0,
         read_only=True)
     speed_per_sweep: float = parameter(
-        0.325, 'forward speed for a sweep of 1 rad at 1 turn/s on firm ground', unit='m/rad',
-        low=0.01, high=5.0, read_only=True)
+        0.325, 'forward speed for a sweep of 1 rad at 1 turn/s', unit='m/rad', low=0.01,
+        high=5.0, read_only=True)
     turn_per_sweep: float = parameter(
-        0.483, 'yaw rate for a half difference of sweeps of 1 rad at 1 turn/s on firm ground',
-        unit='-', low=0.01, high=20.0, read_only=True)
+        0.28, 'yaw rate for a half difference of sweeps of 1 rad at 1 turn/s', low=0.01,
+        high=20.0, read_only=True)
+    turn_gain: float = parameter(
+        0.133, 'growth of turn_per_sweep with the mean sweep', unit='1/rad', low=0.0, high=20.0,
+        read_only=True)
+    speed_per_turn: float = parameter(
+        0.267, 'forward speed that a half difference of 1 rad adds at 1 turn/s', unit='m/rad',
+        low=0.0, high=5.0, read_only=True)
+    backward_speed_per_sweep: float = parameter(
+        0.224, 'speed for a sweep of 1 rad at 1 turn/s when walking backward', unit='m/rad',
+        low=0.01, high=5.0, read_only=True)
+    backward_turn_per_sweep: float = parameter(
+        0.37, 'turn_per_sweep when walking backward', low=0.01, high=20.0, read_only=True)
+    spot_turn_per_sweep: float = parameter(
+        0.573, 'turn_per_sweep when turning on the spot', low=0.01, high=20.0, read_only=True)
     speed_limit: float = parameter(
         0.3, 'largest forward speed that is obeyed', unit='m/s', low=0.0, high=5.0)
     turn_limit: float = parameter(
@@ -42,7 +55,7 @@ class SimulatorConfiguration(Configuration):
         20.0, 'how fast the legs come to rest when the robot is told to stand', unit='1/s',
         low=5.0, high=100.0, read_only=True)
     stand_rate: float = parameter(
-        9.0, 'largest speed of a leg that is put down to stand', unit='rad/s', low=1.0,
+        12.0, 'largest speed of a leg that is put down to stand', unit='rad/s', low=1.0,
         high=50.0, read_only=True)
 
     soil_displacement: float = parameter(

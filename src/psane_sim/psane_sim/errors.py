@@ -37,3 +37,11 @@ class StartError(SimulationError, ValueError):
 
 class FallenError(SimulationError, RuntimeError):
     """The simulated state is not finite any more."""
+
+
+class TaskError(SimulationError, ValueError):
+    """A task makes no sense: a point outside the workspace, a duration out of range."""
+
+
+class GraphError(SimulationError, RuntimeError):
+    """The ROS graph does not come up, or a node of it is not installed."""

@@ -2,13 +2,12 @@
 """Buehler clock: alternating tripods, steered by a different stance sweep on each side.
 
 Each leg turns once per stride, slowly through the ground (stance) and fast through the air
-(swing). The stance sweep S of a side sets its speed; a negative sweep is the mirrored gait, so the
-robot drives like one with two wheels, spot turns included.
+(swing). The stance sweep of a side sets its speed; legs that swing the other way over the top walk
+the mirrored gait, so the robot drives like one with two wheels, spot turns included.
 """
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -16,6 +15,7 @@ from numba import njit
 from psane_mapping.grid import FloatArray
 from psane_mapping.leg import SIDE, TRIPOD
 from psane_sim.configuration import SimulatorConfiguration
+from psane_sim.feed_forward import Sweep, sweeps_of
 
 _SIDE = np.array(SIDE)
 _TRIPOD = np.array(TRIPOD)
@@ -24,42 +24,12 @@ _PHASE, _MODE, _LEFT, _RIGHT = 0, 1, 2, 3
 _STANCE_DECAY, _SWING_DECAY = 0.8, 5.0
 
 
-class Sweep(NamedTuple):
-    """Stance sweeps of the two sides [rad]."""
-
-    left: float
-    right: float
-
-
 def wrap(angle: float) -> float:
     """Return the same direction within [-pi, pi) [rad]."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
 
 _wrap = njit(cache=True)(wrap)
-
-
-def sweeps_of(linear: float, angular: float, config: SimulatorConfiguration) -> Sweep:
-    """Return the sweeps that make a Twist on firm ground, within the joint limit of both.
-
-    Parameters
-    ----------
-    linear, angular : float
-        Forward speed [m/s] and yaw rate [rad/s]; each is first clipped to its own limit.
-    config : SimulatorConfiguration
-
-    Returns
-    -------
-    Sweep
-        Where both together ask for more than `sweep_limit`, both shrink alike: the path keeps
-        its curvature.
-    """
-    linear = max(-config.speed_limit, min(config.speed_limit, linear))
-    angular = max(-config.turn_limit, min(config.turn_limit, angular))
-    mean = linear / (config.speed_per_sweep * config.stride_frequency)
-    difference = angular / (config.turn_per_sweep * config.stride_frequency)
-    scale = min(1.0, config.sweep_limit / max(abs(mean) + abs(difference), 1.0e-9))
-    return Sweep(scale * (mean - difference), scale * (mean + difference))
 
 
 @njit(cache=True)
@@ -86,7 +56,7 @@ def _walk(state: FloatArray, angle: FloatArray, offset: FloatArray, direction: F
         phase = (state[_PHASE] + 0.5 * _TRIPOD[leg]) % 1.0
         in_stance = phase < duty
         if in_stance:
-            direction[leg] = 1.0 if sweep >= 0.0 else -1.0
+            direction[leg] = wanted[2 + _SIDE[leg]]
         decay = (_STANCE_DECAY if in_stance else _SWING_DECAY) * dt
         offset[leg] -= max(-decay, min(decay, offset[leg]))
         new = _clock_angle(phase, sweep, direction[leg], duty) + offset[leg]
@@ -135,7 +105,7 @@ class Gait:
         self._state = np.array([0.0, _STANDING, 0.0, 0.0])
         self._offset = np.zeros(6)
         self._direction = np.ones(6)
-        self._wanted = np.zeros(2)
+        self._wanted = np.array([0.0, 0.0, 1.0, 1.0])
         self._target = np.zeros(6)
         self.reference = LegReference(np.zeros(6), np.zeros(6))
 
@@ -147,7 +117,8 @@ class Gait:
     @property
     def sweep(self) -> Sweep:
         """Stance sweeps that are in force now [rad]."""
-        return Sweep(float(self._state[_LEFT]), float(self._state[_RIGHT]))
+        return Sweep(float(self._state[_LEFT]), float(self._state[_RIGHT]),
+                     float(self._wanted[2]), float(self._wanted[3]))
 
     def command(self, linear: float, angular: float) -> None:
         """Ask for a forward speed [m/s] and a yaw rate [rad/s]; exactly (0, 0) means stand."""
@@ -193,7 +164,7 @@ class Gait:
         phases = self._phases()
         lifts_second = phases[1] >= duty or (phases[0] < duty and phases[1] > phases[0])
         self._state[:] = (duty - 0.5 if lifts_second else duty, _WALKING, 0.0, 0.0)
-        self._direction[:] = np.where(self._wanted[_SIDE] >= 0.0, 1.0, -1.0)
+        self._direction[:] = self._wanted[2 + _SIDE]
         for leg, phase in enumerate(self._phases()):
             clock = _clock_angle(float(phase), 0.0, float(self._direction[leg]), duty)
             self._offset[leg] = wrap(float(self.reference.angle[leg]) - clock)

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from psane_mapping.grid import FloatArray, Grid
 
+from psane_mapping.grid import FloatArray, Grid
 from psane_sim.run_record import RunRecord
 from psane_sim.terrain import Terrain
 

@@ -35,13 +35,15 @@ class ProgressLine:
         self._is_terminal = stream.isatty()
         self._began = time.monotonic()
         self._last = -every
+        self._state = ''
         self._width = 0
 
     def show(self, progress: Progress) -> None:
         """Show the state of the run."""
-        if not self._is_terminal and progress.time - self._last < self._every:
+        is_news = progress.state != self._state
+        if not (self._is_terminal or is_news) and progress.time - self._last < self._every:
             return
-        self._last = progress.time
+        self._last, self._state = progress.time, progress.state
         line = self._text(progress)
         if self._is_terminal:
             self._stream.write('\r' + line.ljust(self._width))

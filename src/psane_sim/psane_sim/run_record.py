@@ -5,8 +5,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from psane_mapping.grid import FloatArray, Grid
 from shapely.geometry import Polygon
+
+from psane_mapping.grid import FloatArray, Grid
 
 
 @dataclass(kw_only=True)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from psane_mapping.grid import FloatArray, Grid
 from scipy import ndimage
 
+from psane_mapping.grid import FloatArray, Grid
 from psane_sim.terrain import Terrain
 
 BoolArray = NDArray[np.bool_]

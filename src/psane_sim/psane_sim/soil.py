@@ -14,8 +14,10 @@ from numba import njit
 
 from psane_mapping.grid import FloatArray
 from psane_mapping.leg import RobotModel, Surface
-from psane_mapping.rft import mobilised_force
+from psane_mapping.rft import displaced, mobilised_force
 from psane_sim.strength_field import StrengthField, strength_at
+
+Arrays = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 BODY = 6
 """Row of the body in the arrays of seven (rows 0 to 5: legs)."""
@@ -64,24 +66,28 @@ class GroundLoad:
         Deepest element of each leg and of the belly [m]; negative above the ground.
     foot : (7, 3) float
         That element's place, map frame [m].
+    place : (7, 3) float
+        Where the force and moment act: each leg's hip and the base's origin, map frame [m].
     """
 
     force: FloatArray
     moment: FloatArray
     depth: FloatArray
     foot: FloatArray
+    place: FloatArray
 
     @classmethod
     def zeros(cls) -> 'GroundLoad':
         """Return no load."""
-        return cls(np.zeros((7, 3)), np.zeros((7, 3)), np.zeros(7), np.zeros((7, 3)))
+        return cls(np.zeros((7, 3)), np.zeros((7, 3)), np.zeros(7), np.zeros((7, 3)),
+                   np.zeros((7, 3)))
 
 
 class Soil(Protocol):
     """State and velocity of the robot's surfaces in, forces out."""
 
     def load(self, state: RobotState, dt: float) -> GroundLoad:
-        """Return the ground's forces for this tick and move the soil's own state on by `dt` [s]."""
+        """Return the ground's forces and move the soil's own state on by `dt` [s]."""
         ...
 
     def reset(self) -> None:
@@ -89,8 +95,22 @@ class Soil(Protocol):
         ...
 
 
-@njit(cache=True)
-def _accumulate(row: int, surface: tuple, hip: FloatArray, turn: FloatArray, spin: FloatArray,
+@njit(cache=True, inline='always', error_model='numpy')
+def _heading_velocity(velocity: FloatArray, angular: FloatArray, spin: FloatArray,
+                      lever: FloatArray, arm: FloatArray, cosine: float,
+                      sine: float) -> tuple[float, float, float]:
+    """Return the velocity of a point on a leg, x along the heading, y left, z up [m/s]."""
+    x = (velocity[0] + angular[1] * lever[2] - angular[2] * lever[1]
+         + spin[1] * arm[2] - spin[2] * arm[1])
+    y = (velocity[1] + angular[2] * lever[0] - angular[0] * lever[2]
+         + spin[2] * arm[0] - spin[0] * arm[2])
+    z = (velocity[2] + angular[0] * lever[1] - angular[1] * lever[0]
+         + spin[0] * arm[1] - spin[1] * arm[0])
+    return cosine * x + sine * y, cosine * y - sine * x, z
+
+
+@njit(cache=True, error_model='numpy')
+def _accumulate(row: int, surface: Arrays, hip: FloatArray, turn: FloatArray, spin: FloatArray,
                 position: FloatArray, rotation: FloatArray, velocity: FloatArray,
                 angular: FloatArray, memory: FloatArray, log_strength: FloatArray,
                 place: FloatArray, settings: FloatArray, is_belly: bool, force: FloatArray,
@@ -102,6 +122,7 @@ def _accumulate(row: int, surface: tuple, hip: FloatArray, turn: FloatArray, spi
     cx, sx = (rotation[0, 0] / norm, rotation[1, 0] / norm) if norm > 0.0 else (1.0, 0.0)
     arm = np.empty(3)
     lever = np.empty(3)
+    normal = np.empty(3)
     deepest = -1.0e9
     for i in range(points.shape[0]):
         for k in range(3):
@@ -116,31 +137,15 @@ def _accumulate(row: int, surface: tuple, hip: FloatArray, turn: FloatArray, spi
         if depth <= 0.0:
             memory[i, 0] = memory[i, 1] = memory[i, 2] = 0.0
             continue
-        wx = velocity[0] + angular[1] * lever[2] - angular[2] * lever[1]
-        wy = velocity[1] + angular[2] * lever[0] - angular[0] * lever[2]
-        vz = velocity[2] + angular[0] * lever[1] - angular[1] * lever[0]
-        wx += spin[1] * arm[2] - spin[2] * arm[1]
-        wy += spin[2] * arm[0] - spin[0] * arm[2]
-        vz += spin[0] * arm[1] - spin[1] * arm[0]
-        vx, vy = cx * wx + sx * wy, cx * wy - sx * wx
-        ux, uy, uz = (memory[i, 0] + vx * dt, memory[i, 1] + vy * dt, memory[i, 2] + vz * dt)
-        length = math.sqrt(ux * ux + uy * uy + uz * uz)
-        if length > yield_displacement:
-            scale = yield_displacement / length
-            ux, uy, uz = ux * scale, uy * scale, uz * scale
-        memory[i, 0], memory[i, 1], memory[i, 2] = ux, uy, uz
-        ex, ey, ez = ux + damping * vx, uy + damping * vy, uz + damping * vz
-        length = math.sqrt(ex * ex + ey * ey + ez * ez)
-        if length == 0.0:
-            continue
-        nx0, ny0, nz0 = normals[i, 0], normals[i, 1], normals[i, 2]
-        nx = turn[0, 0] * nx0 + turn[0, 1] * ny0 + turn[0, 2] * nz0
-        ny = turn[1, 0] * nx0 + turn[1, 1] * ny0 + turn[1, 2] * nz0
-        nz = turn[2, 0] * nx0 + turn[2, 1] * ny0 + turn[2, 2] * nz0
+        vx, vy, vz = _heading_velocity(velocity, angular, spin, lever, arm, cx, sx)
+        ex, ey, ez, share = displaced(memory[i], vx, vy, vz, dt, yield_displacement, damping)
+        for k in range(3):
+            normal[k] = (turn[k, 0] * normals[i, 0] + turn[k, 1] * normals[i, 1]
+                         + turn[k, 2] * normals[i, 2])
         strength = strength_at(log_strength, place, position[0] + lever[0],
                                position[1] + lever[1])
-        fx, fy, fz = mobilised_force(ex, ey, ez, 1.0 / max(yield_displacement, length),
-                                     cx * nx + sx * ny, nz, area[i], side[i], strength * depth)
+        fx, fy, fz = mobilised_force(ex, ey, ez, share, cx * normal[0] + sx * normal[1],
+                                     normal[2], area[i], side[i], strength * depth)
         if is_belly and fz < 0.0:
             fz = 0.0
         gx, gy = cx * fx - sx * fy, sx * fx + cx * fy
@@ -153,14 +158,14 @@ def _accumulate(row: int, surface: tuple, hip: FloatArray, turn: FloatArray, spi
     depths[row] = deepest
 
 
-@njit(cache=True)
+@njit(cache=True, error_model='numpy')
 def _ground_load(position: FloatArray, rotation: FloatArray, velocity: FloatArray,
                  angular: FloatArray, angle: FloatArray, speed: FloatArray, hips: FloatArray,
-                 leg: tuple, belly: tuple, leg_memory: FloatArray, belly_memory: FloatArray,
+                 leg: Arrays, belly: Arrays, leg_memory: FloatArray, belly_memory: FloatArray,
                  log_strength: FloatArray, place: FloatArray, settings: FloatArray,
-                 force: FloatArray, moment: FloatArray, depths: FloatArray,
-                 foot: FloatArray) -> None:
-    """Fill force, moment, depths and foot for the six legs and the belly."""
+                 force: FloatArray, moment: FloatArray, depths: FloatArray, foot: FloatArray,
+                 hip_place: FloatArray) -> None:
+    """Fill the load for the six legs and the belly."""
     force[:] = 0.0
     moment[:] = 0.0
     turn = np.empty((3, 3))
@@ -174,12 +179,14 @@ def _ground_load(position: FloatArray, rotation: FloatArray, velocity: FloatArra
             turn[k, 2] = rotation[k, 0] * sine + rotation[k, 2] * cosine
             hip[k] = (rotation[k, 0] * hips[row, 0] + rotation[k, 1] * hips[row, 1]
                       + rotation[k, 2] * hips[row, 2])
+            hip_place[row, k] = position[k] + hip[k]
             spin[k] = rotation[k, 1] * speed[row]
         _accumulate(row, leg, hip, turn, spin, position, rotation, velocity, angular,
                     leg_memory[row], log_strength, place, settings, False, force, moment, depths,
                     foot)
     hip[:] = 0.0
     spin[:] = 0.0
+    hip_place[BODY] = position
     _accumulate(BODY, belly, hip, rotation, spin, position, rotation, velocity, angular,
                 belly_memory, log_strength, place, settings, True, force, moment, depths, foot)
 
@@ -221,7 +228,7 @@ class GranularSoil:
         _ground_load(state.position, state.rotation, state.velocity, state.angular_velocity,
                      state.angle, state.speed, self._hips, self._leg, self._belly,
                      self._leg_memory, self._belly_memory, self._log_strength, self._place,
-                     self._settings, load.force, load.moment, load.depth, load.foot)
+                     self._settings, load.force, load.moment, load.depth, load.foot, load.place)
         return load
 
     def reset(self) -> None:
@@ -230,7 +237,7 @@ class GranularSoil:
         self._belly_memory[:] = 0.0
 
 
-def _arrays(surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def _arrays(surface: Surface) -> Arrays:
     """Return writable copies, since read-only and writable arrays compile apart."""
     return (np.array(surface.position), np.array(surface.normal), np.array(surface.area),
             np.array(surface.side))

@@ -10,7 +10,7 @@ from numba import njit
 from psane_mapping.grid import FloatArray, Grid
 
 
-@njit(cache=True)
+@njit(cache=True, error_model='numpy')
 def bilinear(values: FloatArray, origin_x: float, origin_y: float, resolution: float, x: float,
              y: float) -> float:
     """Interpolate between cell centres; beyond the outermost ones the nearest value holds.
@@ -36,7 +36,7 @@ def bilinear(values: FloatArray, origin_x: float, origin_y: float, resolution: f
     return low * (1.0 - fy) + high * fy
 
 
-@njit(cache=True)
+@njit(cache=True, error_model='numpy')
 def _interpolate(values: FloatArray, origin_x: float, origin_y: float, resolution: float,
                  points: FloatArray) -> FloatArray:
     result = np.empty(points.shape[0])
@@ -45,7 +45,7 @@ def _interpolate(values: FloatArray, origin_x: float, origin_y: float, resolutio
     return result
 
 
-@njit(cache=True)
+@njit(cache=True, error_model='numpy')
 def strength_at(log_strength: FloatArray, place: FloatArray, x: float, y: float) -> float:
     """Return the strength at a point (see `StrengthField.place`) [-]."""
     return math.exp(bilinear(log_strength, place[0], place[1], place[2], x, y))

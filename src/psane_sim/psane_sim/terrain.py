@@ -109,6 +109,12 @@ class Terrain:
         return x, y, math.atan2(goal_y - y, goal_x - x)
 
     @property
+    def grid_extent(self) -> tuple[float, float, float, float]:
+        """Min x, min y, max x, max y of the outermost samples, map frame [m]."""
+        x, y = self.grid.x, self.grid.y
+        return float(x[0]), float(y[0]), float(x[-1]), float(y[-1])
+
+    @property
     def extent_text(self) -> str:
         """The workspace in words."""
         return '[{:g}, {:g}] x [{:g}, {:g}] m'.format(*(self.extent[i] for i in (0, 2, 1, 3)))

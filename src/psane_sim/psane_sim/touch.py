@@ -1,28 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
 """Contact sensing: from joints, hip wrenches, attitude and odometry to one record per stance.
 
-Nothing here knows the ground. The robot's motion, as measured, is played through a model of ground
-of strength 1; beside what was measured that gives the regression its two columns.
+Nothing here knows the ground. At lift-off the motion of the leg, as measured, is played through a
+model of ground of strength 1; beside what was measured that gives the regression its two columns.
 """
 
 import math
-from collections import Counter
-from dataclasses import dataclass, field
+from collections import Counter, deque
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from psane_mapping.contact import LegContact
-from psane_mapping.grid import FloatArray, Grid
-from psane_mapping.leg import RobotModel
 
-from psane_sim.motion_estimate import MotionEstimate
-from psane_sim.sensing import HipWrenchSample, ImuSample, JointSample, OdometrySample
-from psane_sim.soil import GranularSoil
-from psane_sim.strength_field import StrengthField
+from psane_mapping.contact import LegContact
+from psane_mapping.grid import FloatArray
+from psane_mapping.leg import RobotModel
+from psane_mapping.leg_response import LegMotion, LegResponse, leg_response
+from psane_sim.motion_estimate import BodyMotion, MotionEstimate
+from psane_sim.sensing import ImuSample, JointSample, OdometrySample, WrenchSample
 from psane_sim.touch_configuration import TouchConfiguration
 
-FORWARD, VERTICAL, MOMENT = 0, 1, 2
+VERTICAL, MOMENT = 1, 2
 """Columns of the channels."""
+
+LEAD_IN = 4
+"""Samples before touch-down that fill the modelled ground's memory."""
 
 
 class Dropped(Enum):
@@ -33,18 +35,24 @@ class Dropped(Enum):
     NO_ODOMETRY = 'no recent odometry, so that nobody knows where it was felt'
 
 
+@dataclass(frozen=True)
+class _Sample:
+    """One instant of all legs: motion of the body, joints, and what was felt (6, 3) [N]."""
+
+    body: BodyMotion
+    angle: FloatArray
+    speed: FloatArray
+    measured: FloatArray
+
+
 @dataclass
 class _Stance:
-    """Samples of a stance that goes on."""
+    """A stance that goes on: its samples, the first of them from before touch-down."""
 
-    began: float
-    times: list[float] = field(default_factory=list)
-    depth: list[float] = field(default_factory=list)
-    measured: list[FloatArray] = field(default_factory=list)
-    response: list[FloatArray] = field(default_factory=list)
-    points: list[FloatArray] = field(default_factory=list)
-    has_velocity: bool = True
+    samples: list[_Sample]
+    lead_in: int
     quiet: int = 0
+    is_standing: bool = False
 
 
 class ContactSensor:
@@ -61,19 +69,27 @@ class ContactSensor:
         self._configuration = configuration
         self._robot = robot
         self._motion = MotionEstimate(configuration.odometry_timeout)
-        unit = StrengthField(Grid(origin_x=0.0, origin_y=0.0, resolution=1.0, rows=2, columns=2),
-                             np.zeros((2, 2)))
-        self._ground = GranularSoil(robot, unit, displacement=configuration.yield_displacement,
-                                    damping=configuration.yield_damping)
+        self._recent: deque[_Sample] = deque(maxlen=LEAD_IN)
         self._stances: dict[int, _Stance] = {}
-        self._last_time: float | None = None
         self.dropped: Counter[Dropped] = Counter()
+
+    def reconfigure(self, configuration: TouchConfiguration) -> None:
+        """Go on with other parameters; stances under way are judged by the new ones."""
+        self._configuration = configuration
+
+    def warm_up(self) -> None:
+        """Run the compiled function once, so that no stance waits for the compiler."""
+        still = LegMotion(
+            time=np.array([0.0, 0.005]), angle=np.zeros(2), speed=np.zeros(2),
+            height=np.full(2, 0.1), rotation=np.tile(np.eye(3), (2, 1, 1)),
+            velocity=np.zeros((2, 3)), angular_velocity=np.zeros((2, 3)))
+        leg_response(self._robot, 0, still)
 
     def set_odometry(self, sample: OdometrySample) -> None:
         """Take in where the body is and how it moves."""
         self._motion.set_odometry(sample)
 
-    def update(self, joints: JointSample, wrenches: HipWrenchSample,
+    def update(self, joints: JointSample, wrenches: WrenchSample,
                imu: ImuSample) -> list[LegContact]:
         """Take in one set of measurements of the same instant; return the stances that ended.
 
@@ -81,96 +97,94 @@ class ContactSensor:
         ----------
         joints : JointSample
             Angles, speeds and efforts of the six hips.
-        wrenches : HipWrenchSample
-            Reactions of the six hips, base frame.
+        wrenches : WrenchSample
+            What each leg does to the body at its hip, base frame.
         imu : ImuSample
-            Attitude, angular velocity and specific force, base frame.
+            Attitude, angular velocity and specific force.
         """
-        now = joints.time
-        step = now - self._last_time if self._last_time is not None else 0.0
-        self._last_time = now
-        if not 0.0 < step <= self._configuration.longest_gap:
+        body = self._motion.at(imu)
+        if body is None:
+            self.dropped[Dropped.NO_ODOMETRY] += len(self._stances)
             self._forget()
             return []
-        state = self._motion.state(joints, imu, now)
-        if state is None:
-            if self._stances:
-                self.dropped[Dropped.NO_ODOMETRY] += len(self._stances)
-            self._forget()
-            return []
-        load = self._ground.load(state, step)
-        heading = math.atan2(state.rotation[1, 0], state.rotation[0, 0])
-        measured = self._measured(joints, wrenches, imu, state.rotation, heading)
-        response = self._response(load.force, load.moment, state.rotation, heading)
-        ended = []
-        for leg in range(len(joints.position)):
-            contact = self._follow(leg, now, measured[leg], response[leg],
-                                   float(load.depth[leg]), load.foot[leg, :2])
-            if contact is not None:
-                ended.append(contact)
-        return ended
+        if self._recent:
+            step = body.time - self._recent[-1].body.time
+            if step <= 0.0:
+                return []
+            if step > self._configuration.longest_gap:
+                self._forget()
+        sample = _Sample(body, joints.position, joints.velocity,
+                         self._measured(joints, wrenches, imu, body.rotation))
+        contacts = [self._follow(leg, sample) for leg in range(len(joints.position))]
+        self._recent.append(sample)
+        return [contact for contact in contacts if contact is not None]
 
     def _forget(self) -> None:
         self._stances.clear()
-        self._ground.reset()
+        self._recent.clear()
 
-    def _measured(self, joints: JointSample, wrenches: HipWrenchSample, imu: ImuSample,
-                  rotation: FloatArray, heading: float) -> FloatArray:
+    def _measured(self, joints: JointSample, wrenches: WrenchSample, imu: ImuSample,
+                  rotation: FloatArray) -> FloatArray:
         """Return what the ground does to each leg, (6, 3): forward, up, moment / arm [N].
 
         The leg's own weight and inertia, as seen by the accelerometer, are taken off.
         """
-        on_leg = wrenches.force + self._robot.leg_mass * imu.acceleration
+        on_leg = wrenches.force + self._robot.leg_mass * imu.specific_force
         force = on_leg @ rotation.T
+        heading = math.atan2(rotation[1, 0], rotation[0, 0])
         forward = math.cos(heading) * force[:, 0] + math.sin(heading) * force[:, 1]
         moment = -joints.effort / self._configuration.moment_arm
         return np.column_stack((forward, force[:, 2], moment))
 
-    def _response(self, force: FloatArray, moment: FloatArray, rotation: FloatArray,
-                  heading: float) -> FloatArray:
-        """Return the same channels for ground of strength 1, (6, 3) [N]."""
-        legs = slice(0, len(self._robot.hips))
-        forward = (math.cos(heading) * force[legs, 0] + math.sin(heading) * force[legs, 1])
-        about_axis = moment[legs] @ rotation[:, 1] / self._configuration.moment_arm
-        return np.column_stack((forward, force[legs, 2], about_axis))
-
-    def _follow(self, leg: int, now: float, measured: FloatArray, response: FloatArray,
-                depth: float, point: FloatArray) -> LegContact | None:
+    def _follow(self, leg: int, sample: _Sample) -> LegContact | None:
         """Begin, continue or end the stance of one leg; return it when it ended and is of use."""
         configuration = self._configuration
+        load = float(sample.measured[leg, VERTICAL])
         stance = self._stances.get(leg)
-        is_loaded = measured[VERTICAL] > configuration.touch_down_force
         if stance is None:
-            if not (is_loaded and depth > -configuration.touch_down_height):
-                return None
-            stance = self._stances[leg] = _Stance(began=now)
-        stance.quiet = 0 if measured[VERTICAL] > configuration.lift_off_force else stance.quiet + 1
+            if load > configuration.touch_down_force:
+                lead_in = list(self._recent)
+                self._stances[leg] = _Stance([*lead_in, sample], len(lead_in))
+            return None
+        stance.quiet = 0 if load > configuration.lift_off_force else stance.quiet + 1
         if stance.quiet >= configuration.lift_off_samples:
             del self._stances[leg]
             return self._finish(leg, stance)
-        stance.times.append(now)
-        stance.depth.append(depth)
-        stance.measured.append(measured.copy())
-        stance.response.append(response.copy())
-        stance.points.append(np.array(point))
-        stance.has_velocity &= self._motion.has_velocity(now)
+        if sample.body.time - stance.samples[0].body.time > configuration.longest_stance:
+            stance.is_standing = True
+            stance.samples = stance.samples[:1]
+        stance.samples.append(sample)
         return None
 
     def _finish(self, leg: int, stance: _Stance) -> LegContact | None:
         configuration = self._configuration
-        if len(stance.times) < configuration.fewest_samples:
-            self.dropped[Dropped.TOO_SHORT] += 1
-            return None
-        if stance.times[-1] - stance.began > configuration.longest_stance:
+        samples = stance.samples
+        if stance.is_standing:
             self.dropped[Dropped.STANDING] += 1
             return None
-        measured = np.array(stance.measured)
-        point, spread = _weighted_point(np.array(stance.points), measured[:, VERTICAL])
+        if len(samples) - stance.lead_in < configuration.fewest_samples:
+            self.dropped[Dropped.TOO_SHORT] += 1
+            return None
+        motion = _motion_of(leg, samples)
+        response = leg_response(self._robot, leg, motion,
+                                displacement=configuration.yield_displacement,
+                                damping=configuration.yield_damping)
+        felt = slice(stance.lead_in, None)
+        measured = np.array([sample.measured[leg] for sample in samples])[felt]
+        places = np.array([sample.body.position for sample in samples]) + response.place
+        point, spread = _weighted_point(places[felt, :2], measured[:, VERTICAL])
         return LegContact(
-            leg=leg, touch_down=stance.began, lift_off=stance.times[-1], point=point,
+            leg=leg, touch_down=float(motion.time[stance.lead_in]),
+            lift_off=float(motion.time[-1]), point=point,
             point_deviation=math.hypot(configuration.position_deviation, spread),
-            depth=np.array(stance.depth), measured=measured, response=np.array(stance.response),
-            deviation=self._deviation(measured), has_velocity=stance.has_velocity)
+            depth=response.depth[felt], measured=measured,
+            response=self._channels(response)[felt], deviation=self._deviation(measured),
+            has_velocity=all(sample.body.has_velocity for sample in samples))
+
+    def _channels(self, response: LegResponse) -> FloatArray:
+        """Return the modelled response in the channels of the measurement, (n, 3) [N]."""
+        return np.column_stack((response.force[:, 0], response.force[:, 2],
+                                response.moment / self._configuration.moment_arm))
 
     def _deviation(self, measured: FloatArray) -> FloatArray:
         """Return the noise of each measurement, (n, 3) [N]."""
@@ -179,7 +193,20 @@ class ContactSensor:
         deviation = configuration.force_deviation + configuration.force_deviation_share * size
         deviation[:, MOMENT] = (configuration.torque_deviation / configuration.moment_arm
                                 + configuration.torque_deviation_share * size[:, MOMENT])
-        return deviation
+        return np.asarray(deviation)
+
+
+def _motion_of(leg: int, samples: list[_Sample]) -> LegMotion:
+    """Return the motion of one leg over a stance."""
+    bodies = [sample.body for sample in samples]
+    return LegMotion(
+        time=np.array([body.time for body in bodies]),
+        angle=np.array([sample.angle[leg] for sample in samples]),
+        speed=np.array([sample.speed[leg] for sample in samples]),
+        height=np.array([body.position[2] for body in bodies]),
+        rotation=np.array([body.rotation for body in bodies]),
+        velocity=np.array([body.velocity for body in bodies]),
+        angular_velocity=np.array([body.angular_velocity for body in bodies]))
 
 
 def _weighted_point(points: FloatArray, load: FloatArray) -> tuple[FloatArray, float]:

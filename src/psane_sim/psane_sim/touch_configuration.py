@@ -17,9 +17,6 @@ class TouchConfiguration(Configuration):
         4.0, 'upward force below which a leg has lifted off', unit='N', low=0.0, high=500.0)
     lift_off_samples: int = parameter(
         3, 'samples in a row without load that end a stance', low=1, high=100)
-    touch_down_height: float = parameter(
-        0.02, 'a leg higher than this above the ground cannot touch down', unit='m', low=0.0,
-        high=1.0)
     fewest_samples: int = parameter(
         12, 'shortest stance that is handed on', low=3, high=1000)
     longest_stance: float = parameter(

@@ -27,9 +27,12 @@ class Truth:
         What an accelerometer at the origin reads (gravity included, +9.81 up at rest), mean over
         the last 5 ms, base frame [m/s^2].
     joint_angle, joint_speed, joint_torque : (6,) float
-        Hip joints [rad], [rad/s], and the motor's torque on the leg [N m].
+        Hip joints [rad], [rad/s], and the motor's torque on the leg, mean over the last 5 ms
+        [N m].
     hip_force, hip_moment : (6, 3) float
-        What each leg does to the body at the hip, base frame [N], [N m].
+        What each leg does to the body at the hip, base frame [N], [N m]. Less the leg's weight
+        and inertia this is what the ground does to the leg; the moment's second component is
+        the reaction of the motor's torque, mean over the last 5 ms too.
     foot_force : (6, 3) float
         The ground's force on each leg, map frame [N].
     foot : (6, 3) float
@@ -67,7 +70,7 @@ class Truth:
 
     @property
     def pose(self) -> tuple[float, float, float]:
-        """x [m], y [m] and yaw [rad] in the map."""
+        """X [m], y [m] and yaw [rad] in the map."""
         return float(self.position[0]), float(self.position[1]), self.yaw
 
     @property

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TextIO
 
 import numpy as np
-from psane_mapping.grid import FloatArray
 
+from psane_mapping.grid import FloatArray
 from psane_sim.errors import SimulationError
 from psane_sim.truth import Truth
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a strategy is: a rule that picks a frontier, and a few facts about how it wants to be run."""
+"""What a strategy is: a rule that picks a frontier, and a few facts about how it is to be run."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from psane_mapping.grid import FloatArray
 
+from psane_mapping.grid import FloatArray
 from psane_planner.scores import FrontierScores
 
 

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Strength of the ground from one stance, by regression of what was felt on what was predicted.
+
+Notes
+-----
+The stress of granular ground is proportional to its strength (resistive force theory: Li, Zhang,
+Goldman 2013), so that the slope of the measured force on the force predicted for strength 1 is the
+strength. Three errors are told apart in the result's deviation:
+
+- *scatter*: the residuals' own, for the number of samples that are really independent (samples
+  a few milliseconds apart are not);
+- *height*: if the foot is `b` deeper than believed, the force at depth `d` is larger by about
+  ``exponent * b / d``, and every sample of a stance shares `b`. This dominates shallow stances;
+- *model*: what remains in deep, quiet stances (attitude, gains, shape of the force law).
+"""
+
+import enum
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from psane_mapping.configuration import MappingConfiguration
+from psane_mapping.contact import LegContact
+from psane_mapping.grid import FloatArray
+
+_ROUNDS = 6
+_HUBER = 1.5
+_LEAST_SCALE = 1.0
+
+
+class Reason(enum.Enum):
+    """Why a stance tells nothing about the ground."""
+
+    TOO_FEW_SAMPLES = 'too few samples below the surface'
+    TOO_SHALLOW = 'not deep enough'
+    NO_RESPONSE = 'the motion would not load the ground'
+    NOT_POSITIVE = 'the force does not rise with the predicted one'
+    POOR_FIT = 'the force does not follow the predicted one'
+    IMPLAUSIBLE = 'stronger or weaker than any ground'
+    OUTSIDE_MAP = 'felt outside the map'
+
+
+@dataclass(frozen=True, kw_only=True)
+class StrengthEstimate:
+    """Strength of the ground under one stance.
+
+    Parameters
+    ----------
+    strength : float
+        Penetration resistance relative to ground of strength 1 [-].
+    log_deviation : float
+        Standard deviation of its natural logarithm [-].
+    r_squared : float
+        Share of the weighted square of the measurement that the regression explains [-].
+    scatter_deviation, height_deviation : float
+        The parts of `log_deviation` from residuals and from the height's bias [-].
+    samples : int
+        Samples that were used [count].
+    """
+
+    strength: float
+    log_deviation: float
+    r_squared: float
+    scatter_deviation: float
+    height_deviation: float
+    samples: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rejection:
+    """A stance that was not used, and why; `value` is what failed the test."""
+
+    reason: Reason
+    value: float
+
+
+class _Beliefs(NamedTuple):
+    """What the residuals cannot show of the error: see the module's notes."""
+
+    depth_exponent: float
+    model_deviation: float
+    height_bias_deviation: float
+
+
+def estimate_strength(contact: LegContact, config: MappingConfiguration
+                      ) -> StrengthEstimate | Rejection:
+    """Return the strength of the ground that a stance felt, or why there is none."""
+    below = contact.depth > 0.0
+    count = int(below.sum())
+    if count < config.least_samples:
+        return Rejection(reason=Reason.TOO_FEW_SAMPLES, value=float(count))
+    deepest = float(contact.depth.max())
+    if deepest < config.least_depth:
+        return Rejection(reason=Reason.TOO_SHALLOW, value=deepest)
+    if config.strength_method == 'linear_stiffness':
+        predictor, measured, deviation = _stiffness_channel(contact, below, config)
+        exponent, model = 1.0, config.fit_model_deviation
+    else:
+        predictor, measured, deviation = _force_channels(contact, below)
+        exponent, model = config.depth_exponent, config.model_deviation
+    predicted = float(np.sqrt(np.mean((predictor / deviation) ** 2)))
+    if predicted < config.least_response:
+        return Rejection(reason=Reason.NO_RESPONSE, value=predicted)
+    beliefs = _Beliefs(exponent, model, config.height_bias_deviation)
+    return _regress(predictor, measured, deviation, contact.depth[below], beliefs, config)
+
+
+def _force_channels(contact: LegContact, below: NDArray[np.bool_]
+                    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return prediction, measurement and noise (n, channels) [N] of the channels to trust."""
+    channels = [0, 1, 2] if contact.has_velocity else [1]
+    return (contact.response[below][:, channels], contact.measured[below][:, channels],
+            np.maximum(contact.deviation[below][:, channels], 1e-6))
+
+
+def _stiffness_channel(contact: LegContact, below: NDArray[np.bool_],
+                       config: MappingConfiguration
+                       ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the paper's linear fit: ``F_z = k z``, strength = k / (stiffness at strength 1).
+
+    That stiffness is not the same at every depth, so that one constant fits only on average: over
+    strengths 0.05 to 3 of the simulated hexapod the log-strength is off by 0.5 RMSE (the
+    regression on the predicted force: 0.16), and most stances fail the fit's R^2.
+    """
+    predictor = config.fit_stiffness * contact.depth[below][:, None]
+    return (predictor, contact.measured[below][:, 1:2],
+            np.maximum(contact.deviation[below][:, 1:2], 1e-6))
+
+
+def _regress(predictor: FloatArray, measured: FloatArray, deviation: FloatArray,
+             depth: FloatArray, beliefs: _Beliefs, config: MappingConfiguration
+             ) -> StrengthEstimate | Rejection:
+    slope, weights, residual = _robust_slope(predictor / deviation, measured / deviation)
+    total = float((weights * (measured / deviation) ** 2).sum())
+    r_squared = 1.0 - float((weights * residual**2).sum()) / total if total > 0.0 else 0.0
+    if slope <= 0.0:
+        return Rejection(reason=Reason.NOT_POSITIVE, value=slope)
+    # Written so that a fit which is not a number fails too.
+    if not r_squared >= config.least_r_squared:
+        return Rejection(reason=Reason.POOR_FIT, value=r_squared)
+    if not 1.0 / config.most_strength <= slope <= config.most_strength:
+        return Rejection(reason=Reason.IMPLAUSIBLE, value=slope)
+    leverage = weights * (predictor / deviation) ** 2
+    scatter = _scatter(residual, weights, leverage) / slope
+    floored = np.maximum(depth, config.least_depth)[:, None]
+    sensitivity = beliefs.depth_exponent * float((leverage / floored).sum() / leverage.sum())
+    height = sensitivity * beliefs.height_bias_deviation
+    variance = scatter**2 + height**2 + beliefs.model_deviation**2
+    return StrengthEstimate(strength=slope, log_deviation=math.sqrt(variance),
+                            r_squared=r_squared, scatter_deviation=scatter,
+                            height_deviation=height, samples=depth.size)
+
+
+def _robust_slope(predictor: FloatArray, measured: FloatArray
+                  ) -> tuple[float, FloatArray, FloatArray]:
+    """Return slope through the origin, weights and residuals, all scaled by the noise.
+
+    Huber's weights with the scale from the median absolute residual: a knock or a slipping
+    grain that lasts a few samples does not tilt the line.
+    """
+    weights = np.ones_like(measured)
+    for _ in range(_ROUNDS):
+        slope = float((weights * predictor * measured).sum() / (weights * predictor**2).sum())
+        residual = measured - slope * predictor
+        scale = max(_LEAST_SCALE, 1.4826 * float(np.median(np.abs(residual))))
+        weights = np.minimum(1.0, _HUBER * scale / np.maximum(np.abs(residual), 1e-12))
+    return slope, weights, residual
+
+
+def _scatter(residual: FloatArray, weights: FloatArray, leverage: FloatArray) -> float:
+    """Return the standard error of the slope, for samples that are alike in time.
+
+    The number of samples is divided by ``(1 + r) / (1 - r)``, r being the correlation of
+    neighbouring residuals (an AR(1) process); their scale is not below that of the noise.
+    """
+    scale = max(_LEAST_SCALE, math.sqrt(float((weights * residual**2).sum() / weights.sum())))
+    power = float((residual**2).sum())
+    repeated = float((residual[1:] * residual[:-1]).sum()) / power if power > 0.0 else 0.0
+    repeated = min(max(repeated, 0.0), 1.0 - 1.0 / residual.shape[0])
+    inflation = (1.0 + repeated) / (1.0 - repeated)
+    return scale * math.sqrt(inflation / float(leverage.sum()))

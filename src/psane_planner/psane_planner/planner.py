@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The planner: certify, find the region, decide. One call per cycle."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import shapely
+
+from psane_mapping.grid import FloatArray, Grid
+from psane_planner import verdicts
+from psane_planner.component import Component, component_around
+from psane_planner.confidence import Bounds, ConfidenceIntervals
+from psane_planner.configuration import PlannerConfiguration
+from psane_planner.discs import Mask
+from psane_planner.errors import MapError, PoseError
+from psane_planner.mission import Mission
+from psane_planner.region import Region, RegionBuilder
+from psane_planner.safe_set import SafeSet, admissible_cells
+from psane_planner.scene import Scene
+from psane_planner.scores import FrontierScores
+from psane_planner.status import Decision, Plan
+from psane_planner.strategies import make_strategy
+
+
+class SafePlanner:
+    """Plans over a slip map; keeps intervals, certificates and the memory of frontiers.
+
+    Time enters as `now`; nothing here asks a clock.
+    """
+
+    def __init__(self, configuration: PlannerConfiguration, grid: Grid) -> None:
+        """Plan on `grid`; see `PlannerConfiguration` for what can be set."""
+        self.configuration = configuration
+        self.grid = grid
+        self._strategy = make_strategy(configuration.strategy)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything, as after the map was reset."""
+        self._intervals = ConfidenceIntervals(self.grid.shape,
+                                              self.configuration.confidence_scale)
+        self._safe_set = SafeSet(self.configuration, self.grid)
+        self._was_certified = False
+        self._is_lost = False
+        self._make_parts()
+
+    def reconfigure(self, configuration: PlannerConfiguration) -> None:
+        """Go on with another configuration.
+
+        Intervals and certificates are kept, unless the width of the intervals is another one;
+        the memory of frontiers starts over. The strategy is fixed at construction.
+        """
+        is_other_width = configuration.confidence_scale != self.configuration.confidence_scale
+        self.configuration = configuration
+        if is_other_width:
+            self._intervals = ConfidenceIntervals(self.grid.shape,
+                                                  configuration.confidence_scale)
+        self._safe_set = SafeSet(configuration, self.grid, self._safe_set.mask)
+        self._make_parts()
+
+    def _make_parts(self) -> None:
+        """Make what holds no knowledge of the ground."""
+        config = self.configuration
+        self._builder = RegionBuilder(self.grid, config.clearance, config.contour_tolerance)
+        self._mission = Mission(config, self.grid, self._strategy)
+
+    def warm_up(self) -> None:
+        """Compile what runs compiled, so that no cycle of a mission has to wait for it."""
+        grid = Grid(origin_x=0.0, origin_y=0.0, resolution=0.1, rows=30, columns=30)
+        throwaway = SafePlanner(
+            replace(self.configuration, border_width=0.0, certification='lipschitz',
+                    strategy='psane_geodesic'), grid)
+        away = np.hypot(*(grid.points - 1.5).T).reshape(grid.shape)
+        pose = np.array((1.5, 1.5, 0.0))
+        for tick in range(2):
+            throwaway.update(np.zeros(grid.shape), np.where(away < 0.8, 0.02, 0.5), pose,
+                             np.array((2.8, 2.8)), float(tick))
+
+    def idle(self, now: float) -> Plan:
+        """Return a plan that asks for nothing, for a robot without a task."""
+        return self._pack(verdicts.IDLE, None, self._empty_scene(None, now), None)
+
+    def update(self, slip_mean: FloatArray | None, slip_std: FloatArray | None,
+               pose: FloatArray | None, goal: FloatArray | None, now: float,
+               keep_out: Mask | None = None) -> Plan:
+        """Plan one cycle.
+
+        Parameters
+        ----------
+        slip_mean, slip_std : (rows, columns) float [-], slip ratio
+            Posterior on the grid, NaN where there is no estimate; None before the first map.
+        pose : (3,) float, map frame [m, m, rad]
+            x, y and heading of the robot; None before the first one.
+        goal : (2,) float, map frame [m]
+            None explores.
+        now : float [s]
+        keep_out : (rows, columns) bool
+            Ground that is never certified.
+
+        Raises
+        ------
+        MapError, PoseError
+            When an argument has the wrong shape or holds a number that means nothing.
+        """
+        goal = None if goal is None else _vector('goal', goal, 2)
+        position = None if pose is None else _vector('pose', pose, 3)[:2]
+        if not math.isfinite(now):
+            raise PoseError('now', now, 'a finite time [s]')
+        if slip_mean is None or slip_std is None or position is None:
+            return self._pack(verdicts.WAITING, None, self._empty_scene(goal, now), position)
+        admissible = self._admissible(keep_out)
+        bounds = self._intervals.update(np.asarray(slip_mean, dtype=np.float64),
+                                        np.asarray(slip_std, dtype=np.float64))
+        certified = self._safe_set.update(bounds, slip_mean, admissible, position)
+        component = component_around(certified, self.grid, position)
+        self._note_lost(component)
+        region = self._region(certified, component, position)
+        scene = Scene(now=now, position=position, goal=goal, bounds=bounds,
+                      admissible=admissible, certified=certified, component=component.mask,
+                      outside_distance=component.outside_distance, is_lost=self._is_lost,
+                      region=region)
+        decision, scores = self._mission.decide(scene)
+        return self._pack(decision, scores, scene, position)
+
+    def _admissible(self, keep_out: Mask | None) -> Mask:
+        if keep_out is not None and keep_out.shape != self.grid.shape:
+            raise MapError(f'keep_out has shape {keep_out.shape}, expected {self.grid.shape}')
+        return admissible_cells(self.grid, self.configuration.border_width, keep_out)
+
+    def _note_lost(self, component: Component) -> None:
+        """Call a robot lost once it is well outside, and found once it is as good as back."""
+        config = self.configuration
+        if not self._strategy.traits.is_certified:
+            return
+        limit = config.found_distance if self._is_lost else config.lost_distance
+        self._was_certified |= component.outside_distance <= limit
+        self._is_lost = self._was_certified and component.outside_distance > limit
+
+    def _region(self, certified: Mask, component: Component,
+                position: FloatArray) -> Region | None:
+        if not self._strategy.traits.is_certified:
+            return self._open_region()
+        within = math.inf if self._is_lost else self.configuration.lost_distance
+        return self._builder.build(certified, component.mask, position, within)
+
+    def _open_region(self) -> Region:
+        """Return the whole workspace less its border, for a strategy that certifies nothing."""
+        border = self.configuration.border_width
+        x, y = self.grid.x, self.grid.y
+        box = shapely.box(x[0] + border, y[0] + border, x[-1] - border, y[-1] - border)
+        return Region(box, np.ones(self.grid.shape, dtype=np.bool_))
+
+    def _empty_scene(self, goal: FloatArray | None, now: float) -> Scene:
+        nothing = np.zeros(self.grid.shape, dtype=np.bool_)
+        unknown = Bounds(np.full(self.grid.shape, -np.inf), np.full(self.grid.shape, np.inf), 0)
+        return Scene(now=now, position=np.full(2, np.nan), goal=goal, bounds=unknown,
+                     admissible=nothing, certified=nothing, component=nothing,
+                     outside_distance=math.inf, is_lost=False, region=None)
+
+    def _pack(self, decision: Decision, scores: FrontierScores | None, scene: Scene,
+              position: FloatArray | None) -> Plan:
+        away = math.nan
+        if scene.goal is not None and position is not None:
+            away = float(np.hypot(*(scene.goal - position)))
+        return Plan(
+            **vars(decision), now=scene.now, strategy=self._strategy.name, goal=scene.goal,
+            distance_to_goal=away, region=None if scene.region is None else scene.region.polygon,
+            certified=scene.certified, component=scene.component, frontier=scores,
+            lower=scene.bounds.lower, upper=scene.bounds.upper,
+            interval_resets=scene.bounds.resets,
+            total_interval_resets=self._intervals.total_resets,
+            certified_area=float(scene.component.sum()) * self.grid.cell_area,
+            subgoal_count=self._mission.subgoal_count)
+
+
+def _vector(name: str, value: FloatArray, size: int) -> FloatArray:
+    vector = np.array(value, dtype=np.float64)
+    if vector.shape != (size,) or not np.isfinite(vector).all():
+        raise PoseError(name, value, f'{size} finite numbers')
+    vector.setflags(write=False)
+    return vector

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The whole stack in one process, without ROS: deterministic from its seed, faster than real time.
+
+The objects are those that the nodes hold, the rates those of the topics, and the maps pass through
+the cells of an OccupancyGrid as they do between nodes.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from psane_mapping.configuration import MappingConfiguration
+from psane_mapping.grid import FloatArray
+from psane_mapping.leg import RobotModel
+from psane_mapping.map_cells import SLIP_MEAN, SLIP_STD, MapSteps, cells_of_maps, slip_of_cells
+from psane_mapping.mapper import TerrainMapper, TerrainSample
+from psane_planner.configuration import PlannerConfiguration
+from psane_planner.planner import SafePlanner
+from psane_planner.status import Plan, PlannerState
+from psane_reactive.configuration import ReactiveConfiguration
+from psane_reactive.controller import ReactiveController
+from psane_sim.configuration import SimulatorConfiguration
+from psane_sim.hexapod import HexapodSimulator
+from psane_sim.progress import Progress
+from psane_sim.run_record import RunRecord
+from psane_sim.scoring import Score, Scorer
+from psane_sim.sensing import Sensors
+from psane_sim.summary import Ending, Outcome, Task
+from psane_sim.terrain import Terrain
+from psane_sim.touch import ContactSensor
+from psane_sim.touch_configuration import TouchConfiguration
+from psane_sim.truth import Truth
+from psane_sim.truth_log import TruthEntry
+
+SENSOR_PERIOD = 5
+"""Milliseconds between readings of joints, wrenches and the inertial unit."""
+
+ODOMETRY_PERIOD, COMMAND_PERIOD, PLAN_PERIOD, SCORE_PERIOD = 20, 50, 200, 50
+"""Milliseconds between odometry, commands, plans and looks at the truth."""
+
+ENDINGS = {PlannerState.REACHED: Ending.REACHED, PlannerState.EXPLORED: Ending.EXPLORED,
+           PlannerState.STALLED: Ending.STALLED}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """Configurations of all parts."""
+
+    simulator: SimulatorConfiguration = field(default_factory=SimulatorConfiguration)
+    touch: TouchConfiguration = field(default_factory=TouchConfiguration)
+    mapping: MappingConfiguration = field(default_factory=MappingConfiguration)
+    planner: PlannerConfiguration = field(default_factory=PlannerConfiguration)
+    reactive: ReactiveConfiguration = field(default_factory=ReactiveConfiguration)
+    robot: RobotModel = field(default_factory=RobotModel)
+
+
+class ClosedLoop:
+    """One robot on one terrain with one task.
+
+    Parameters
+    ----------
+    task : Task
+    terrain : Terrain
+        The true ground; only the simulator and the scorer see it.
+    start_pose : (x, y, yaw), map frame [m], [rad]
+    settings : Settings
+    """
+
+    def __init__(self, task: Task, terrain: Terrain, start_pose: tuple[float, float, float],
+                 settings: Settings) -> None:
+        self._task = task
+        self._goal = None if task.goal is None else np.array(task.goal)
+        self._settings = settings
+        self._simulator = HexapodSimulator(settings.simulator, terrain, start_pose,
+                                           robot=settings.robot)
+        self._sensors = Sensors(settings.simulator, task.seed)
+        self._contact_sensor = ContactSensor(settings.touch, settings.robot)
+        self._contact_sensor.warm_up()
+        self._mapper = TerrainMapper(settings.mapping)
+        self._mapper.warm_up()
+        self._planner = SafePlanner(settings.planner, self._mapper.grid)
+        self._planner.warm_up()
+        self._controller = ReactiveController(settings.reactive)
+        self._controller.warm_up()
+        self._scorer = Scorer(terrain, self._mapper.grid, np.array(start_pose[:2]),
+                              task.threshold)
+        self.record = RunRecord(grid=self._mapper.grid, start=np.array(start_pose[:2]),
+                                goal=self._goal)
+        self._pose = np.array(start_pose)
+        self._planned: tuple[FloatArray, FloatArray] | None = None
+        self._planned_version = -1
+        self.plan: Plan | None = None
+
+    def run(self, show: Callable[[Progress], None] | None = None) -> tuple[Outcome, Score]:
+        """Run until the planner ends, the time is over or the user interrupts; return the score."""
+        began = time.monotonic()
+        ending, tick = Ending.TIMEOUT, 0
+        try:
+            for tick in range(0, round(1000.0 * self._task.duration), SENSOR_PERIOD):
+                self._advance(tick)
+                if self.plan is not None and tick % PLAN_PERIOD == 0:
+                    if show is not None:
+                        show(self._progress())
+                    if self.plan.state in ENDINGS:
+                        ending = ENDINGS[self.plan.state]
+                        break
+        except KeyboardInterrupt:
+            ending = Ending.INTERRUPTED
+        finally:
+            self._simulator.close()
+        return self._outcome(ending, time.monotonic() - began), self._scorer.score()
+
+    def _outcome(self, ending: Ending, wall: float) -> Outcome:
+        plan = self.plan
+        cause = '' if plan is None or ending is Ending.REACHED else plan.cause
+        return Outcome(ending=ending, cause=cause, time=self._simulator.time,
+                       subgoals=0 if plan is None else plan.subgoal_count,
+                       contacts=self._mapper.accepted, wall=wall)
+
+    def _advance(self, tick: int) -> None:
+        """Move on by one sensor period: sense, map, plan, steer, each at its own rate."""
+        self._simulator.step(SENSOR_PERIOD)
+        truth = self._simulator.truth()
+        if tick % ODOMETRY_PERIOD == 0:
+            self._take_odometry(truth)
+        contacts = self._contact_sensor.update(
+            self._sensors.joints(truth), self._sensors.wrenches(truth), self._sensors.imu(truth))
+        for contact in contacts:
+            sample = self._mapper.add(contact)
+            if isinstance(sample, TerrainSample):
+                self.record.contacts.append((sample.time, *map(float, sample.point), sample.slip))
+        now = self._simulator.time
+        if tick % PLAN_PERIOD == 0:
+            self._plan(now)
+        if tick % COMMAND_PERIOD == 0:
+            command = self._controller.command(now)
+            self._simulator.command(command.linear, command.angular)
+        if tick % SCORE_PERIOD == 0:
+            entry = TruthEntry.of(truth)
+            self._scorer.observe(entry.pose[:2], entry.grounded_feet, 1e-3 * SCORE_PERIOD)
+            self.record.path.append((now, float(entry.pose[0]), float(entry.pose[1])))
+
+    def _take_odometry(self, truth: Truth) -> None:
+        sample = self._sensors.odometry(truth)
+        self._contact_sensor.set_odometry(sample)
+        self._pose = np.array([sample.position[0], sample.position[1], sample.yaw])
+        self._controller.set_odometry(
+            tuple(self._pose), (float(sample.velocity[0]), float(sample.angular_velocity[2])),
+            sample.time)
+
+    def _plan(self, now: float) -> None:
+        """Plan on the newest maps, and hand region and subgoal to the controller."""
+        maps = self._published_maps()
+        plan = self._planner.update(*maps, self._pose, self._goal, now)
+        self.plan = plan
+        self._controller.set_region(plan.region, now)
+        self._controller.set_subgoal(plan.subgoal, plan.march, plan.subgoal_is_goal, now)
+        self._scorer.certified(plan.certified)
+        self._note(plan, now)
+
+    def _published_maps(self) -> tuple[FloatArray, FloatArray]:
+        """Return slip mean and std as another node would read them off the topics."""
+        if self._planned is None or self._mapper.version != self._planned_version:
+            steps = MapSteps.of(self._settings.mapping)
+            cells = cells_of_maps(self._mapper.maps(), steps)
+            self._planned = slip_of_cells(cells[SLIP_MEAN], cells[SLIP_STD], steps.std_scale)
+            self._planned_version = self._mapper.version
+        return self._planned
+
+    def _note(self, plan: Plan, now: float) -> None:
+        """Keep what the picture needs."""
+        record = self.record
+        if plan.subgoal is not None:
+            record.note_subgoal(now, plan.subgoal)
+        record.progress.append((now, plan.distance_to_goal, plan.certified_area))
+        record.certified, record.region = plan.certified, plan.region
+        record.slip_mean, record.slip_std = self._published_maps()
+        if plan.frontier is not None:
+            record.frontier = plan.frontier.points
+
+    def _progress(self) -> Progress:
+        plan, contacts = self.plan, self._mapper.accepted
+        if plan is None:
+            return Progress(time=self._simulator.time, distance=None, area=0.0,
+                            contacts=contacts, state='WAITING')
+        return Progress(
+            time=self._simulator.time,
+            distance=None if plan.goal is None else plan.distance_to_goal,
+            area=plan.certified_area, contacts=contacts, state=plan.state.name, cause=plan.cause)

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The demo: one run from start to goal, on a ROS 2 graph or in one process."""
+
+import argparse
+import signal
+import sys
+from collections.abc import Sequence
+from types import FrameType
+
+from psane_mapping.errors import ParameterError
+from psane_planner.configuration import PlannerConfiguration
+from psane_sim.closed_loop import ClosedLoop, Settings
+from psane_sim.configuration import SimulatorConfiguration
+from psane_sim.demo_options import Assignment, assignment_of, parse
+from psane_sim.errors import SimulationError
+from psane_sim.picture import draw_run
+from psane_sim.progress import ProgressLine
+from psane_sim.run_record import RunRecord
+from psane_sim.scoring import Score
+from psane_sim.summary import Ending, Outcome, in_words, summarise, write_summary
+
+SUCCESS, NO_SUCCESS, BAD_ARGUMENT, NODE_DIED = 0, 1, 2, 3
+"""Exit statuses."""
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the demo and end the program with its exit status."""
+    options = parse(arguments)
+    signal.signal(signal.SIGTERM, _interrupt)
+    signal.signal(signal.SIGHUP, _interrupt)
+    try:
+        sys.exit(run(options))
+    except (SimulationError, ParameterError) as error:
+        print(f'psane demo: {error}', file=sys.stderr)
+        sys.exit(BAD_ARGUMENT)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    """End like Ctrl-C: stop what was started, and leave a summary."""
+    raise KeyboardInterrupt
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run what the options ask for; return the exit status."""
+    assignment = assignment_of(options)
+    for warning in assignment.warnings:
+        print(f'psane demo: warning: {warning}', file=sys.stderr)
+    options.out.mkdir(parents=True, exist_ok=True)
+    line = ProgressLine()
+    if options.in_process:
+        record, outcome, score = _run_in_process(assignment, options, line)
+    else:
+        record, outcome, score = _run_on_graph(assignment, options, line)
+    line.close()
+    return _report(assignment, record, outcome, score, options)
+
+
+def _run_in_process(assignment: Assignment, options: argparse.Namespace,
+                    line: ProgressLine) -> tuple[RunRecord, Outcome, Score]:
+    task = assignment.task
+    settings = Settings(
+        simulator=SimulatorConfiguration(gui=options.gui),
+        planner=PlannerConfiguration(strategy=task.strategy, slip_threshold=task.threshold))
+    loop = ClosedLoop(task, assignment.terrain, assignment.start_pose, settings)
+    outcome, score = loop.run(line.show)
+    return loop.record, outcome, score
+
+
+def _run_on_graph(assignment: Assignment, options: argparse.Namespace,
+                  line: ProgressLine) -> tuple[RunRecord, Outcome, Score]:
+    # Only here, so that a run in one process needs no ROS.
+    from psane_sim.graph_run import GraphRun, GraphSettings
+    PlannerConfiguration(slip_threshold=assignment.task.threshold)
+    graph = GraphRun(assignment, GraphSettings(out=options.out, pace=options.pace,
+                                               gui=options.gui))
+    outcome, score = graph.run(line.show)
+    return graph.record, outcome, score
+
+
+def _report(assignment: Assignment, record: RunRecord, outcome: Outcome, score: Score,
+            options: argparse.Namespace) -> int:
+    """Write summary and picture, print the summary, return the exit status."""
+    task = assignment.task
+    summary = summarise(task, outcome, score)
+    write_summary(summary, options.out / 'summary.json')
+    print(in_words(summary))
+    title = f'{task.strategy} on {task.terrain}, seed {task.seed}: {outcome.ending.value}'
+    draw_run(record, assignment.terrain, task.threshold, title, options.out / 'run.png')
+    print(f'  summary and picture   {options.out}/summary.json, {options.out}/run.png')
+    if outcome.ending is Ending.NODE_DIED:
+        return NODE_DIED
+    return SUCCESS if summary['success'] else NO_SUCCESS

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The demo's command line, and the task that it asks for."""
+
+import argparse
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from psane_mapping.configuration import MappingConfiguration
+from psane_mapping.grid import Grid
+from psane_planner.configuration import STRATEGIES, PlannerConfiguration
+from psane_sim.catalogue import load_terrain, terrain_names
+from psane_sim.errors import TaskError
+from psane_sim.scoring import reachable_safe_cells
+from psane_sim.summary import Task
+from psane_sim.terrain import Terrain
+
+LONGEST = 36_000.0
+"""Longest run that can be asked for [s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Assignment:
+    """A task with its world.
+
+    Parameters
+    ----------
+    task : Task
+    terrain : Terrain
+    start_pose : (x, y, yaw), map frame [m], [rad]
+    warnings : list of str
+        What makes the task hard or impossible, in words.
+    """
+
+    task: Task
+    terrain: Terrain
+    start_pose: tuple[float, float, float]
+    warnings: list[str]
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the demo's command line."""
+    made = argparse.ArgumentParser(
+        prog='psane demo', description='Let a simulated hexapod feel its way over unknown sand to '
+        'its goal: five ROS 2 nodes on this machine, or the same objects in one process.',
+        epilog='Exit status: 0 success, 1 no success, 2 a bad argument, 3 a node died.')
+    made.add_argument('--terrain', default='env1', metavar='NAME|FILE',
+                      help=f'one of {", ".join(terrain_names())}, or a .csv, .npy or GeoTIFF file '
+                      '(default env1)')
+    made.add_argument('--start', nargs=2, type=float, metavar=('X', 'Y'),
+                      help="where to begin, map frame [m] (default: the terrain's own)")
+    target = made.add_mutually_exclusive_group()
+    target.add_argument('--goal', nargs=2, type=float, metavar=('X', 'Y'),
+                        help="where to go, map frame [m] (default: the terrain's own)")
+    target.add_argument('--explore', action='store_true',
+                        help='no goal: certify as much ground as can be reached')
+    made.add_argument('--strategy', default=PlannerConfiguration.strategy, choices=STRATEGIES,
+                      help='how the next subgoal is chosen (default psane_geodesic)')
+    made.add_argument('--threshold', type=float, default=PlannerConfiguration.slip_threshold,
+                      metavar='H', help='slip ratio above which ground is unsafe (default 0.5)')
+    made.add_argument('--seed', type=int, default=0, metavar='N',
+                      help='seed of all noise (default 0)')
+    made.add_argument('--duration', type=float, default=300.0, metavar='S',
+                      help='simulated time after which the run ends [s] (default 300)')
+    made.add_argument('--in-process', action='store_true',
+                      help='run without ROS: repeatable from the seed, faster than real time')
+    made.add_argument('--pace', type=float, default=2.0, metavar='X',
+                      help='on the graph: simulated seconds for each second on the wall, where '
+                      'the machine can keep up (default 2)')
+    made.add_argument('--gui', action='store_true', help="show the physics engine's window")
+    made.add_argument('--out', type=Path, metavar='DIR',
+                      help='where summary, picture and logs go (default out/TERRAIN-STRATEGY-SEED)')
+    return made
+
+
+def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
+    """Read the command line; a bad argument ends the program with status 2."""
+    options = parser().parse_args(arguments)
+    if options.out is None:
+        name = Path(options.terrain).stem.replace(':', '-')
+        options.out = Path('out') / f'{name}-{options.strategy}-{options.seed}'
+    return options
+
+
+def assignment_of(options: argparse.Namespace) -> Assignment:
+    """Return the task that was asked for.
+
+    Raises
+    ------
+    SimulationError
+        For an unknown or malformed terrain, or a task that makes no sense.
+    """
+    _require('--duration', options.duration, 1.0, LONGEST, 's')
+    _require('--seed', options.seed, 0, 2**31 - 1, '')
+    _require('--pace', options.pace, 0.01, 100.0, '')
+    terrain = load_terrain(options.terrain)
+    start = terrain.start if options.start is None else tuple(options.start)
+    goal = None if options.explore else (options.goal or terrain.goal)
+    _require_inside('--start', start, terrain)
+    if goal is not None:
+        _require_inside('--goal', goal, terrain)
+    task = Task(terrain=options.terrain, start=(float(start[0]), float(start[1])),
+                goal=None if goal is None else (float(goal[0]), float(goal[1])),
+                strategy=options.strategy, threshold=options.threshold, seed=options.seed,
+                duration=options.duration)
+    ahead = task.goal or terrain.goal
+    yaw = math.atan2(ahead[1] - task.start[1], ahead[0] - task.start[0])
+    return Assignment(task=task, terrain=terrain, start_pose=(*task.start, yaw),
+                      warnings=_warnings(task, terrain))
+
+
+def _require(name: str, value: float, low: float, high: float, unit: str) -> None:
+    if not (math.isfinite(value) and low <= value <= high):
+        raise TaskError(f'{name} {value:g}: expected a value in [{low:g}, {high:g}] {unit}'.rstrip())
+
+
+def _require_inside(name: str, point: Sequence[float], terrain: Terrain) -> None:
+    """Refuse a point outside the workspace, or in the border that is never certified."""
+    border = PlannerConfiguration.border_width
+    min_x, min_y, max_x, max_y = terrain.extent
+    x, y = point
+    if not (min_x + border <= x <= max_x - border and min_y + border <= y <= max_y - border):
+        raise TaskError(
+            f'{name} {x:g} {y:g}: expected a point in [{min_x + border:g}, {max_x - border:g}] x '
+            f'[{min_y + border:g}, {max_y - border:g}] m; the border of {border:g} m along the '
+            "workspace's edge is never certified")
+
+
+def _warnings(task: Task, terrain: Terrain) -> list[str]:
+    """Say what the truth holds against the task; the robot is not told."""
+    slip = float(terrain.true_slip(np.array(task.start)))
+    if slip > task.threshold:
+        return [f'the start is unsafe: its true slip is {slip:.2f}, above the threshold '
+                f'{task.threshold:g}']
+    if task.goal is None:
+        return []
+    config = MappingConfiguration()
+    grid = Grid.over_workspace(config.min_x, config.min_y, config.max_x, config.max_y,
+                               config.resolution)
+    reachable = reachable_safe_cells(terrain, grid, np.array(task.start), task.threshold)
+    row, column = grid.index_of(np.array(task.goal))
+    if reachable[row, column]:
+        return []
+    slip = float(terrain.true_slip(np.array(task.goal)))
+    return [f'the goal cannot be reached over safe ground (its true slip is {slip:.2f}); the run '
+            'should end STALLED']

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The node `hexapod_sim`: velocity commands in; clock, odometry, joints, wrenches and imu out."""
+
+import time
+from pathlib import Path
+
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock as ClockMessage
+from sensor_msgs.msg import Imu, JointState
+
+from psane_mapping.conversions import stamp
+from psane_mapping.errors import ParameterError
+from psane_mapping.leg import RobotModel
+from psane_mapping.quality_of_service import COMMANDS, DEFAULT, ODOMETRY, SENSORS
+from psane_mapping.ros_parameters import ParameterBridge
+from psane_mapping.running import Diagnostics, Intake, run_node
+from psane_msgs.msg import HipWrenches
+from psane_sim import conversions
+from psane_sim.catalogue import load_terrain
+from psane_sim.configuration import SimulatorConfiguration
+from psane_sim.errors import SimulationError
+from psane_sim.hexapod import HexapodSimulator
+from psane_sim.node_configuration import SimulatorNodeConfiguration
+from psane_sim.pacing import Pacer
+from psane_sim.sensing import Sensors
+from psane_sim.truth import Truth
+from psane_sim.truth_log import TruthEntry, TruthLog
+from psane_sim.watchdog import CommandWatchdog
+
+SENSOR_PERIOD, ODOMETRY_PERIOD, TRUTH_PERIOD = 5, 20, 50
+"""Milliseconds between sensor readings, odometry messages and entries of the truth log."""
+
+
+class HexapodSimNode(Node):
+    """Holds a `HexapodSimulator` and its `Sensors` on the graph."""
+
+    def __init__(self) -> None:
+        super().__init__('hexapod_sim')
+        self._settings = ParameterBridge(self, SimulatorNodeConfiguration,
+                                         self._reconfigure).configuration
+        simulator = ParameterBridge(self, SimulatorConfiguration).configuration
+        robot = ParameterBridge(self, RobotModel).configuration
+        self._simulator = self._make_simulator(simulator, robot)
+        self._sensors = Sensors(simulator, self._settings.seed)
+        self._watchdog = CommandWatchdog(self._settings.command_timeout)
+        self._log = TruthLog(Path(self._settings.truth_file)) if self._settings.truth_file else None
+        self._advertise()
+        self._intake = Intake(self)
+        self._intake.subscribe(Twist, 'cmd_vel', self._take_command, COMMANDS)
+        self._diagnostics = Diagnostics(self, self._intake, self._report)
+        self._pacer = Pacer(self._settings.pace, time.monotonic())
+        self._ticks = 0
+        self.create_timer(2e-3, self._catch_up, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def _make_simulator(self, configuration: SimulatorConfiguration,
+                        robot: RobotModel) -> HexapodSimulator:
+        settings = self._settings
+        try:
+            terrain = load_terrain(settings.terrain)
+            start = terrain.start_pose
+            if settings.use_start:
+                start = (settings.start_x, settings.start_y, settings.start_yaw)
+            return HexapodSimulator(configuration, terrain, start, robot=robot)
+        except SimulationError as error:
+            raise ParameterError('terrain', settings.terrain, f'a usable world ({error})'
+                                 ) from error
+
+    def _advertise(self) -> None:
+        self._clock_publisher = self.create_publisher(ClockMessage, '/clock', DEFAULT)
+        self._odometry = self.create_publisher(Odometry, 'odom', ODOMETRY)
+        self._joints = self.create_publisher(JointState, 'joint_states', SENSORS)
+        self._wrenches = self.create_publisher(HipWrenches, 'hip_wrenches', SENSORS)
+        self._imu = self.create_publisher(Imu, 'imu', SENSORS)
+
+    def _reconfigure(self, settings: SimulatorNodeConfiguration) -> None:
+        self._settings = settings
+        self._watchdog.timeout = settings.command_timeout
+
+    def _take_command(self, message: Twist) -> None:
+        self._watchdog.take(*conversions.velocity_of(message), self._simulator.time)
+
+    def _catch_up(self) -> None:
+        """Simulate what the wall clock asks for, a few sensor periods at most."""
+        wall = time.monotonic()
+        for _ in range(self._pacer.due(wall, self._simulator.time, SENSOR_PERIOD * 1e-3)):
+            self._advance()
+
+    def _advance(self) -> None:
+        """Simulate one sensor period and publish what was measured at its end."""
+        self._simulator.command(*self._watchdog.command(self._simulator.time))
+        self._simulator.step(SENSOR_PERIOD)
+        self._ticks += SENSOR_PERIOD
+        truth = self._simulator.truth()
+        self._clock_publisher.publish(ClockMessage(clock=stamp(truth.time)))
+        self._publish(truth)
+        if self._log is not None and self._ticks % TRUTH_PERIOD == 0:
+            self._log.write(TruthEntry.of(truth))
+
+    def _publish(self, truth: Truth) -> None:
+        """Publish odometry first, so that the measurements of its instant find it."""
+        settings, sensors = self._settings, self._sensors
+        if self._ticks % ODOMETRY_PERIOD == 0:
+            self._odometry.publish(conversions.odometry_message(
+                sensors.odometry(truth), settings.odom_frame, settings.base_frame))
+        self._joints.publish(conversions.joint_message(sensors.joints(truth),
+                                                       settings.base_frame))
+        self._wrenches.publish(conversions.wrench_message(sensors.wrenches(truth),
+                                                          settings.base_frame))
+        self._imu.publish(conversions.imu_message(sensors.imu(truth), settings.base_frame))
+
+    def _report(self) -> tuple[bytes, str, dict[str, object]]:
+        now = self._simulator.time
+        silent = self._watchdog.is_silent(now)
+        message = 'no recent command: the robot stands' if silent else 'obeys cmd_vel'
+        level = DiagnosticStatus.WARN if silent else DiagnosticStatus.OK
+        factor = self._pacer.factor(time.monotonic(), now)
+        return level, message, {'time [s]': round(now, 2),
+                                'real-time factor': round(factor, 2)}
+
+
+def main() -> None:
+    """Run the node."""
+    run_node(HexapodSimNode)
