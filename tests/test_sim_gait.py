@@ -109,6 +109,21 @@ def test_a_stop_ends_within_half_a_second_with_every_foot_below_its_hip(seed):
     assert np.abs([wrap(float(angle)) for angle in angles[-1]]).max() < 0.5 * math.pi - 0.2
 
 
+@law
+@given(ticks=st.integers(0, TICKS_PER_STRIDE))
+def test_a_stop_holds_the_legs_on_the_ground_where_they_are(ticks):
+    gait = walking(0.25)
+    run(gait, ticks)
+    before = gait.reference.angle.copy()
+    grounded = np.abs([wrap(float(angle)) for angle in before]) < 0.45 * gait.sweep.left
+    gait.command(0.0, 0.0)
+    moved = np.abs([wrap(float(turn)) for turn in run(gait, 600)[-1] - before])
+    # A leg in stance moves at the sweep's speed and comes to rest within 1 / stand_gain of time.
+    speed = gait.sweep.left * CONFIG.stride_frequency / CONFIG.duty
+    assert grounded.any()
+    assert moved[grounded].max() < 1.1 * speed / CONFIG.stand_gain
+
+
 def test_it_starts_by_standing_on_straight_legs_and_standing_again_changes_nothing():
     gait = Gait(CONFIG)
     gait.command(0.0, 0.0)

@@ -71,21 +71,42 @@ def _is_clear(segments: Segments, x: float, y: float, own: float, target_x: floa
 
 
 @njit(cache=True)  # type: ignore[misc]
+def _farthest_clear(segments: Segments, x: float, y: float, points: FloatArray,
+                    margin: float) -> int:
+    """Return the last point that is clear and not where the robot is already, -1 for none."""
+    square, _, _, _ = nearest_border(segments, x, y)
+    own = math.sqrt(square)
+    for i in range(points.shape[0] - 1, -1, -1):
+        if (math.hypot(points[i, 0] - x, points[i, 1] - y) > 0.5 * _SPACING
+                and _is_clear(segments, x, y, own, points[i, 0], points[i, 1], margin)):
+            return i
+    return -1
+
+
+@njit(cache=True)  # type: ignore[misc]
 def _choose(segments: Segments, x: float, y: float, way: FloatArray, ends_at_goal: bool,
             reach: float, margin: float) -> tuple[float, float]:
     """Return the farthest point of a way that is clear, with less and less margin."""
     points = _resample(way, x, y, reach, _SPACING)
+    pushed = points.copy()
     goal_included = (ends_at_goal and points.shape[0] > 0
                      and points[-1, 0] == way[-1, 0] and points[-1, 1] == way[-1, 1])
-    _push_inside(segments, points, points.shape[0] - (1 if goal_included else 0), margin)
-    square, _, _, _ = nearest_border(segments, x, y)
-    own = math.sqrt(square)
+    _push_inside(segments, pushed, points.shape[0] - (1 if goal_included else 0), margin)
     for share in (1.0, 0.4, 0.1):
-        for i in range(points.shape[0] - 1, -1, -1):
-            if _is_clear(segments, x, y, own, points[i, 0], points[i, 1], share * margin):
-                return points[i, 0], points[i, 1]
-    if points.shape[0] > 0:
-        return points[0, 0], points[0, 1]
+        chosen = _farthest_clear(segments, x, y, pushed, share * margin)
+        if chosen >= 0:
+            return pushed[chosen, 0], pushed[chosen, 1]
+    chosen = _farthest_clear(segments, x, y, points, 0.1 * margin)
+    if chosen >= 0:
+        return points[chosen, 0], points[chosen, 1]
+    # Too near the edge to see along the way: a step inwards comes first.
+    here = np.array([[x, y]])
+    _push_inside(segments, here, 1, margin)
+    if math.hypot(here[0, 0] - x, here[0, 1] - y) > 0.1 * margin:
+        return here[0, 0], here[0, 1]
+    for i in range(points.shape[0]):
+        if math.hypot(points[i, 0] - x, points[i, 1] - y) > 0.25 * _SPACING:
+            return points[i, 0], points[i, 1]
     return way[-1, 0], way[-1, 1]
 
 

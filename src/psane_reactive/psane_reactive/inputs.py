@@ -13,7 +13,7 @@ from psane_reactive.configuration import ReactiveConfiguration
 from psane_reactive.errors import RegionError
 from psane_reactive.law import Pose
 from psane_reactive.limits import STANDSTILL, Velocity
-from psane_reactive.region import clean_region
+from psane_reactive.region import FARTHEST, clean_region
 
 # Clocks of two processes may differ by this much before a message counts as from the future [s].
 _CLOCK_TOLERANCE = 1.0
@@ -55,15 +55,16 @@ class Inputs:
         self.march_wanted, self.subgoal_is_goal = bool(march), bool(is_goal)
         self.subgoal = None if point is None else _point(point)
         if point is not None and self.subgoal is None:
-            self._flaws['subgoal'] = f'subgoal is {point!r}, expected two finite numbers'
+            self._flaws['subgoal'] = (f'subgoal is {point!r}, expected two finite numbers '
+                                      f'up to {FARTHEST:g} m')
 
     def take_odometry(self, pose: Sequence[float], velocity: Sequence[float], now: float) -> None:
         """Store pose (x, y, yaw), map frame, and velocity (linear, angular), body frame."""
         self._stamps['odometry'] = now
         self._flaws.pop('odometry', None)
         numbers = [float(number) for number in (*pose, *velocity)]
-        if len(numbers) != 5 or not all(math.isfinite(number) for number in numbers):
-            self._flaws['odometry'] = 'odometry holds a number that is not finite'
+        if len(numbers) != 5 or not all(abs(number) <= FARTHEST for number in numbers):
+            self._flaws['odometry'] = 'odometry holds a number that is not finite or far too large'
             return
         self.pose, self.velocity = Pose(*numbers[:3]), Velocity(*numbers[3:])
 
@@ -86,9 +87,9 @@ class Inputs:
 
 
 def _point(point: Any) -> FloatArray | None:
-    """Return two finite numbers as an array, None for anything else."""
+    """Return two usable coordinates as an array, None for anything else."""
     try:
         array = np.array(point, dtype=np.float64)
     except (TypeError, ValueError):
         return None
-    return array if array.shape == (2,) and bool(np.isfinite(array).all()) else None
+    return array if array.shape == (2,) and bool((np.abs(array) <= FARTHEST).all()) else None

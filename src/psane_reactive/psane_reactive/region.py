@@ -13,6 +13,8 @@ from psane_reactive.errors import RegionError
 
 # Smaller pieces cannot hold the robot's centre for a single control period.
 SMALLEST_AREA = 1e-4
+# Squares and differences of larger coordinates lose what steering needs [m].
+FARTHEST = 1e6
 
 
 def clean_region(area: Any) -> Area:
@@ -30,8 +32,9 @@ def clean_region(area: Any) -> Area:
     """
     if not isinstance(area, (shapely.Polygon, shapely.MultiPolygon)):
         raise RegionError(f'region is a {type(area).__name__}, expected a polygon')
-    if not np.isfinite(shapely.get_coordinates(area)).all():
-        raise RegionError('region holds a coordinate that is not finite')
+    if not (np.abs(shapely.get_coordinates(area)) <= FARTHEST).all():
+        raise RegionError('region holds a coordinate that is not finite or beyond '
+                          f'{FARTHEST:g} m')
     valid = area if area.is_valid else shapely.make_valid(area)
     parts = [part for part in _polygons(shapely.force_2d(valid)) if part.area > SMALLEST_AREA]
     if not parts:

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Figures of speed and accuracy, all measured in this run: `psane bench [sim|map|plan|steer]`."""
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Callable, Sequence
+
+from psane_mapping import benchmark as map_benchmark
+from psane_planner import benchmark as plan_benchmark
+from psane_reactive import benchmark as steer_benchmark
+
+from psane_sim import simulator_benchmark
+from psane_sim.catalogue import load_terrain
+from psane_sim.closed_loop import ClosedLoop, Settings
+from psane_sim.summary import Task
+
+LOOP_SECONDS = 30.0
+"""Simulated time of the closed loop that is measured [s]."""
+
+
+def measure_loop() -> dict[str, float]:
+    """Run the closed loop on env1, noise and all, and return its real-time factor [-]."""
+    terrain = load_terrain('env1')
+    task = Task(terrain='env1', start=terrain.start, goal=terrain.goal, strategy='psane_geodesic',
+                threshold=0.5, seed=0, duration=LOOP_SECONDS)
+    loop = ClosedLoop(task, terrain, terrain.start_pose, Settings())
+    outcome, _ = loop.run()
+    return {'rtf_in_process': outcome.time / outcome.wall}
+
+
+def measure_sim() -> dict[str, float]:
+    """Return the figures of the simulator alone and of the closed loop."""
+    return {**simulator_benchmark.measure(), **measure_loop()}
+
+
+PARTS: dict[str, Callable[[], dict[str, float]]] = {
+    'sim': measure_sim,
+    'map': map_benchmark.measure,
+    'plan': plan_benchmark.measure,
+    'steer': steer_benchmark.measure,
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure what was asked for, and print it as a table or as one JSON object."""
+    parser = argparse.ArgumentParser(
+        prog='psane bench', description='Measure speed and accuracy on this machine, now.')
+    parser.add_argument('part', nargs='?', choices=[*PARTS, 'all'], default='all',
+                        help='what to measure (default: all, a few minutes)')
+    parser.add_argument('--json', action='store_true',
+                        help='one JSON object of named numbers on standard output')
+    options = parser.parse_args(arguments)
+    figures: dict[str, float] = {}
+    for part in PARTS if options.part == 'all' else [options.part]:
+        began = time.monotonic()
+        print(f'measuring {part} ...', file=sys.stderr, flush=True)
+        found = PARTS[part]()
+        print(f'measured {part} in {time.monotonic() - began:.0f} s', file=sys.stderr, flush=True)
+        figures.update(found)
+        if not options.json:
+            for name, value in found.items():
+                print(f'  {name:28s} {value:.6g}')
+    if options.json:
+        print(json.dumps(figures, indent=2))
