@@ -56,6 +56,19 @@ load_workspace() {
   cd -- "$here"
 }
 
+# Where numba keeps machine code: a place for each state of the compiled sources, since numba looks
+# for changes in one file only, and not in the compiled functions that it calls from others. Places
+# that nobody used for a day are removed.
+choose_numba_cache() {
+  local place="$state/numba" sources
+  sources=$(cd -- "$root" && { grep -rlZ --include='*.py' -e njit src || true; } |
+    LC_ALL=C sort -z | xargs -0r sha256sum | sha256sum | cut -c 1-16)
+  export NUMBA_CACHE_DIR="$place/$sources"
+  mkdir -p "$NUMBA_CACHE_DIR"
+  touch "$NUMBA_CACHE_DIR"
+  find "$place" -mindepth 1 -maxdepth 1 -type d -mmin +1440 -exec rm -rf {} +
+}
+
 # After this the environment is that of the workspace.
 prepare() {
   if ! is_ready; then
@@ -69,5 +82,6 @@ prepare() {
   load_workspace
   # One thread each: the nodes are processes of their own and would only take turns.
   export OMP_NUM_THREADS=${OMP_NUM_THREADS:-1} OPENBLAS_NUM_THREADS=${OPENBLAS_NUM_THREADS:-1}
-  export NUMBA_CACHE_DIR=${NUMBA_CACHE_DIR:-$state/numba}
+  # A place that an outer `./psane` chose may be out of date by now.
+  [[ ${NUMBA_CACHE_DIR:-$state/numba/} != "$state/numba/"* ]] || choose_numba_cache
 }

@@ -21,7 +21,8 @@ for _package in ('psane_mapping', 'psane_planner', 'psane_reactive', 'psane_sim'
     sys.path.insert(0, str(ROOT / 'src' / _package))
 sys.path.insert(0, str(ROOT / 'tests'))
 
-from node_process import NodeProcess  # noqa: E402  (found through the path set above)
+from graph_probe import Probe  # noqa: E402  (found through the path set above)
+from node_process import NodeProcess  # noqa: E402
 
 
 @pytest.fixture
@@ -37,3 +38,11 @@ def start_node(tmp_path: Path) -> Iterator[Callable[..., NodeProcess]]:
     yield start
     for process in reversed(started):
         process.stop()
+
+
+@pytest.fixture
+def probe() -> Iterator[Probe]:
+    """Join the test's graph with a node of its own."""
+    made = Probe()
+    yield made
+    made.close()

@@ -43,8 +43,12 @@ def test_it_solves_the_equation_of_its_cells(region):
     flux = np.zeros_like(values)
     inside = field.is_inside
     for axis in (0, 1):
-        both = np.take(inside, range(inside.shape[axis] - 1), axis) & np.take(
-            inside, range(1, inside.shape[axis]), axis)
+        count = inside.shape[axis] - 1
+        centres = field.grid.points.reshape(*inside.shape, 2)
+        ends = [np.take(centres, range(k, count + k), axis) for k in (0, 1)]
+        lines = shapely.linestrings(np.stack(ends, axis=2))
+        # Neighbours are linked where the straight line between them stays inside.
+        both = shapely.covers(region, lines)
         step = np.where(both, np.diff(values, axis=axis), 0.0)
         pad = [(0, 0), (0, 0)]
         pad[axis] = (0, 1)

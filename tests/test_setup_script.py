@@ -225,3 +225,32 @@ def test_another_ros_does_not_leak_into_the_wheels(built):
 def test_the_settings_of_the_user_win_over_ours(built):
     _, output, _ = built.run('shell', 'env', OMP_NUM_THREADS='4')
     assert 'OMP_NUM_THREADS=4\n' in output and 'OPENBLAS_NUM_THREADS=1\n' in output
+
+
+def numba_cache(workspace, **settings):
+    status, output, _ = workspace.run('shell', 'printenv', 'NUMBA_CACHE_DIR', **settings)
+    assert status == 0
+    return Path(output.rstrip('\n'))
+
+
+def test_machine_code_is_kept_until_a_compiled_source_changes(built):
+    compiled = built.root / 'src/psane_sim/psane_sim/soil.py'
+    touch(compiled, '@njit\ndef f(): ...\n')
+    first = numba_cache(built)
+    assert first.parent == built.root / '.psane/numba' and first.is_dir()
+    touch(built.root / 'src/psane_sim/psane_sim/plain.py')
+    assert numba_cache(built) == first
+    touch(compiled)
+    assert numba_cache(built, NUMBA_CACHE_DIR=str(first)) not in (first, first.parent)
+    assert numba_cache(built, NUMBA_CACHE_DIR='/elsewhere') == Path('/elsewhere')
+
+
+def test_machine_code_that_nobody_used_for_a_day_is_removed(built):
+    current = numba_cache(built)
+    old, recent = current.with_name('old'), current.with_name('recent')
+    old.mkdir()
+    recent.mkdir()
+    os.utime(old, (0, 0))
+    os.utime(current, (0, 0))
+    assert numba_cache(built) == current
+    assert current.is_dir() and recent.is_dir() and not old.exists()

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from psane_mapping.grid import FloatArray
+from psane_mapping.kalman import axis_modes
 
 _SPACINGS_PER_LENGTHSCALE = 3.0
 _LATTICE_OVERHANG = 6.0
@@ -52,6 +53,10 @@ class AxisBasis:
     def __call__(self, positions: FloatArray) -> FloatArray:
         """Return the modes at positions (n,) [m], shape (n, modes) [-]."""
         return self._responses(np.atleast_1d(positions)) @ self._rotation
+
+    def at(self, position: float) -> FloatArray:
+        """Return the modes at one position [m], shape (modes,) [-]; the same, compiled."""
+        return axis_modes(position, self._lattice, self._rotation, self._lengthscale, self._gain)
 
     def _responses(self, positions: FloatArray) -> FloatArray:
         scaled = (positions[:, None] - self._lattice) / self._lengthscale
@@ -110,6 +115,10 @@ class RectangleBasis:
         along_y = self.along_y(points[:, 1])
         along_x = self.along_x(points[:, 0])
         return np.asarray(along_y[:, self.mode_y] * along_x[:, self.mode_x])
+
+    def at_point(self, x: float, y: float) -> FloatArray:
+        """Return the modes at one point from the corner [m], shape (modes,) [-]."""
+        return self.along_y.at(y)[self.mode_y] * self.along_x.at(x)[self.mode_x]
 
     def variance_left_out(self) -> FloatArray:
         """Return the prior variance that the modes miss at each cell, (rows, columns) [-]."""

@@ -9,15 +9,17 @@ cells given every measurement within the kernel's reach of them. So
 - a measurement costs the same however large the map and however long the history (RBF);
 - the posterior is a function of the set of measurements, whatever their order, up to round-off
   (1e-8 is asserted; 1e-12 is typical);
-- what lies beyond the reach is ignored, not guessed, so that a window is less certain than the
-  dense process and not more, modes left out aside (measured: below it by 1e-5 at most).
+- what lies beyond the reach is ignored, not guessed. Windows of a large map are therefore less
+  certain than the dense process, modes left out aside (measured at the default tolerance: below
+  its deviation by 6e-4 at most), and their mean differs by a few per cent of the deviation.
 
 `tolerance` alone trades error against speed. It is the share of prior variance below which a mode
-is left out, and the share that a measurement just beyond the reach could have taken
-away; 0 keeps everything in one window, and equals the dense process to round-off.
+is left out (a hundred times that in blocks), and the share that a measurement just beyond the reach
+could have taken away; 0 keeps everything in one window, and equals the dense process to round-off.
 """
 
 import math
+from array import array
 from collections import OrderedDict
 from typing import NamedTuple
 
@@ -33,8 +35,11 @@ from psane_mapping.windows import DenseWindow, SpectralWindow, Window
 
 _LEAST_NOISE = 1e-6
 _MERGE_SHARE = 0.1
-_RESIDENT_BYTES = 120e6
+_RESIDENT_BYTES = 40e6
 _FEWEST_RESIDENT = 16
+_RECORD = 4
+
+Index = tuple[int, int]
 
 
 class Innovation(NamedTuple):
@@ -59,29 +64,64 @@ class GridPosterior:
         Constant, or a prior map.
     tolerance : float
         Bound on what is left out, as a share of the prior variance [-]; 0 for the dense process.
+    grows : bool
+        Whether `grow` will be called. The grid is then rounded up to whole blocks.
     """
 
     def __init__(self, grid: Grid, kernel: Kernel, prior_mean: float | FloatArray = 0.0,
-                 tolerance: float = 1e-8) -> None:
+                 tolerance: float = 1e-8, grows: bool = False) -> None:
         if not (math.isfinite(tolerance) and 0.0 <= tolerance <= 1e-2):
             raise ParameterError('tolerance', tolerance, 'a finite value in [0, 0.01]')
-        self.grid = grid
         self.kernel = kernel
         self._tolerance = tolerance
-        self._prior = np.broadcast_to(np.asarray(prior_mean, dtype=np.float64), grid.shape).copy()
-        if not np.isfinite(self._prior).all():
-            raise ShapeError('prior_mean holds a number that is not finite')
-        self.tiling = Tiling.cheapest(grid, kernel, tolerance)
+        self.tiling = Tiling.cheapest(grid, kernel, tolerance, grows)
         self._basis = self._make_basis()
-        self.reset()
+        self.reset(prior_mean)
 
-    def reset(self) -> None:
-        """Forget every measurement."""
+    @property
+    def grid(self) -> Grid:
+        """The cells; another one after `grow`."""
+        return self.tiling.grid
+
+    def reset(self, prior_mean: float | FloatArray | None = None) -> None:
+        """Forget every measurement, and take another prior mean if one is given."""
+        if prior_mean is not None:
+            self._prior = self._checked_prior(prior_mean)
         self._mean = self._prior.copy()
         self._variance = np.full(self.grid.shape, self.kernel.deviation**2)
-        self._windows: OrderedDict[tuple[int, int], Window] = OrderedDict()
-        self._records: dict[tuple[int, int], list[tuple[float, float, float, float]]] = {}
+        self._windows: OrderedDict[Index, Window] = OrderedDict()
+        self._records: dict[Index, array[float]] = {}
         self.count = 0
+
+    def grow(self, point: FloatArray, prior_mean: Callable[[Grid], float | FloatArray]) -> None:
+        """Add blocks of cells, so that the grid holds a point; what was measured stays.
+
+        Parameters
+        ----------
+        point : (2,) float, map frame [m]
+        prior_mean : callable
+            Returns the prior mean of all cells of the larger grid.
+        """
+        self.tiling, (south, west) = self.tiling.grown_to_hold(point)
+        rows, columns = self._mean.shape
+        first_row, first_column = south * self.tiling.tile_rows, west * self.tiling.tile_columns
+        kept = (slice(first_row, first_row + rows), slice(first_column, first_column + columns))
+        self._prior = self._checked_prior(prior_mean(self.grid))
+        mean, variance = self._prior.copy(), np.full(self.grid.shape, self.kernel.deviation**2)
+        mean[kept], variance[kept] = self._mean, self._variance
+        self._mean, self._variance = mean, variance
+        self._windows = OrderedDict(((row + south, column + west), window)
+                                    for (row, column), window in self._windows.items())
+        self._records = {(row + south, column + west): records
+                         for (row, column), records in self._records.items()}
+        self._hear_of_old_measurements(point)
+
+    def _checked_prior(self, prior_mean: float | FloatArray) -> FloatArray:
+        """Return the prior mean (rows, columns), read-only; a constant takes no memory."""
+        values = np.array(prior_mean, dtype=np.float64)
+        if not np.isfinite(values).all():
+            raise ShapeError('prior_mean holds a number that is not finite')
+        return np.broadcast_to(values, self.grid.shape)
 
     @property
     def mean(self) -> FloatArray:

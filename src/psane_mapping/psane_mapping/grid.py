@@ -69,12 +69,14 @@ class Grid:
     @property
     def x(self) -> FloatArray:
         """Cell centres along x, shape (columns,), map frame [m]."""
-        return self.origin_x + (np.arange(self.columns) + 0.5) * self.resolution
+        return np.asarray(self.origin_x + (np.arange(self.columns) + 0.5) * self.resolution,
+                          dtype=np.float64)
 
     @property
     def y(self) -> FloatArray:
         """Cell centres along y, shape (rows,), map frame [m]."""
-        return self.origin_y + (np.arange(self.rows) + 0.5) * self.resolution
+        return np.asarray(self.origin_y + (np.arange(self.rows) + 0.5) * self.resolution,
+                          dtype=np.float64)
 
     @property
     def points(self) -> FloatArray:

@@ -1,20 +1,52 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compiled rank-one updates; single-threaded and in a fixed order, so that runs are repeatable."""
+"""Compiled rank-one updates; single-threaded and in a fixed order, so that runs are repeatable.
+
+A symmetric matrix is kept as the rows of its lower triangle, one after the other: half the memory,
+and half of what an update has to read and write.
+"""
 
 import numba
 import numpy as np
 
 from psane_mapping.grid import FloatArray
 
+# Sums may be vectorised. The compiler then fixes their order, which is the same in every run.
+_SUMS = {'reassoc', 'nsz', 'contract'}
+_FAR = 7.0
+
+
+def packed_identity(count: int) -> FloatArray:
+    """Return the lower triangle of an identity matrix."""
+    triangle = np.zeros(count * (count + 1) // 2)
+    rows = np.arange(count)
+    triangle[rows * (rows + 3) // 2] = 1.0
+    return triangle
+
 
 @numba.njit(cache=True)
+def axis_modes(position: float, lattice: FloatArray, rotation: FloatArray, lengthscale: float,
+               amplitude: float) -> FloatArray:
+    """Return the modes of one axis at a position [m], shape (axis modes,); see `AxisBasis`."""
+    modes = np.zeros(rotation.shape[1])
+    for node in range(lattice.size):
+        scaled = (position - lattice[node]) / lengthscale
+        # Beyond, the response is below 1e-21.
+        if abs(scaled) < _FAR:
+            response = amplitude * np.exp(-scaled * scaled)
+            for mode in range(modes.size):
+                modes[mode] += response * rotation[node, mode]
+    return modes
+
+
+@numba.njit(cache=True, fastmath=_SUMS)
 def observe(covariance: FloatArray, weights: FloatArray, features: FloatArray, value: float,
             variance: float) -> tuple[FloatArray, float, float]:
     """Condition Gaussian weights on one measurement ``value = features . weights + noise``.
 
     Parameters
     ----------
-    covariance : (m, m) float, changed in place
+    covariance : (m (m + 1) / 2,) float, changed in place
+        Lower triangle, row after row.
     weights : (m,) float, changed in place
         Mean of the weights.
     features : (m,) float
@@ -30,10 +62,15 @@ def observe(covariance: FloatArray, weights: FloatArray, features: FloatArray, v
     """
     count = features.size
     gain = np.zeros(count)
+    start = 0
     for j in range(count):
-        scale = features[j]
-        for i in range(count):
-            gain[i] += scale * covariance[j, i]
+        row = covariance[start:start + j]
+        scale, total = features[j], 0.0
+        for i in range(j):
+            gain[i] += scale * row[i]
+            total += features[i] * row[i]
+        gain[j] += total + scale * covariance[start + j]
+        start += j + 1
     innovation = value
     innovation_variance = variance
     for j in range(count):
@@ -41,11 +78,14 @@ def observe(covariance: FloatArray, weights: FloatArray, features: FloatArray, v
         innovation_variance += features[j] * gain[j]
     # The prediction's variance is not negative; round-off may say so after very exact measurements.
     innovation_variance = max(innovation_variance, variance)
+    start = 0
     for j in range(count):
         weights[j] += gain[j] * innovation / innovation_variance
+        row = covariance[start:start + j + 1]
         scale = gain[j] / innovation_variance
-        for i in range(count):
-            covariance[j, i] -= scale * gain[i]
+        for i in range(j + 1):
+            row[i] -= scale * gain[i]
+        start += j + 1
     return gain, innovation, innovation_variance
 
 

@@ -89,7 +89,7 @@ def _check_number(name: str, value: Any, kind: type, declared: Declaration) -> N
 class Configuration:
     """Base of every package's configuration: all fields are checked at construction.
 
-    A subclass that relates parameters to each other extends `__post_init__` and calls this one first.
+    A subclass that relates parameters to each other extends `__post_init__`, this one first.
     """
 
     def __post_init__(self) -> None:

@@ -9,11 +9,11 @@ given all measurements before it?
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg import solve_triangular
 
 from psane_mapping.basis import RectangleBasis
 from psane_mapping.grid import FloatArray
-from psane_mapping.kalman import observe, spread
+from psane_mapping.kalman import observe, packed_identity, spread
 from psane_mapping.kernels import Kernel
 
 
@@ -61,13 +61,11 @@ class SpectralWindow:
         self._deviation = deviation
         self._shape = shape
         self._weights = np.zeros(basis.count)
-        self._covariance = np.eye(basis.count)
+        self._covariance = packed_identity(basis.count)
 
     def observe(self, x: float, y: float, value: float, variance: float) -> Evidence:
         """Take in a measurement at a point from the window's corner [m]; the prior mean is 0."""
-        features = self._deviation * self._basis.at(np.array([[x, y]]))[0]
-        gain, innovation, innovation_variance = observe(
-            self._covariance, self._weights, features, value, variance)
+        gain, innovation, innovation_variance = self._absorb(x, y, value, variance)
         basis = self._basis
         spectrum = np.zeros((basis.cells_y.shape[1], basis.cells_x.shape[0]))
         spectrum[basis.mode_y, basis.mode_x] = self._deviation * gain
@@ -75,14 +73,14 @@ class SpectralWindow:
         return Evidence(covariance, innovation, innovation_variance)
 
     def restore(self, records: FloatArray) -> None:
-        """Rebuild from measurements (n, 4): x, y [m], value, variance; equal up to round-off."""
-        features = self._deviation * self._basis.at(records[:, :2])
-        weighted = features / records[:, 3:4]
-        information = features.T @ weighted
-        information[np.diag_indices_from(information)] += 1.0
-        factor = cho_factor(information, lower=True)
-        self._covariance = np.ascontiguousarray(cho_solve(factor, np.eye(self._basis.count)))
-        self._weights = np.asarray(cho_solve(factor, weighted.T @ records[:, 2]))
+        """Take in measurements (n, 4): x, y [m], value, variance; equal to the last bit."""
+        for record in records.tolist():
+            self._absorb(*record)
+
+    def _absorb(self, x: float, y: float, value: float, variance: float
+                ) -> tuple[FloatArray, float, float]:
+        features = self._deviation * self._basis.at_point(x, y)
+        return observe(self._covariance, self._weights, features, value, variance)
 
 
 class DenseWindow:

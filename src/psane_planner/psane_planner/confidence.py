@@ -16,12 +16,15 @@ class Bounds(NamedTuple):
     ----------
     lower, upper : (rows, columns) float [-], slip ratio
         Ends of the interval, infinite where nothing is known.
+    newest : (rows, columns) float [-], slip ratio
+        Upper end of c_t alone, at the narrower width that a certificate has to keep up with.
     resets : int
         Cells whose interval came out empty in this update and was started over.
     """
 
     lower: FloatArray
     upper: FloatArray
+    newest: FloatArray
     resets: int
 
 
@@ -35,9 +38,11 @@ class ConfidenceIntervals:
     and a cell that has lost its estimate starts over with (-inf, inf).
     """
 
-    def __init__(self, shape: tuple[int, int], confidence_scale: float) -> None:
+    def __init__(self, shape: tuple[int, int], confidence_scale: float,
+                 revocation_scale: float) -> None:
         """Start with nothing known on a grid of (rows, columns)."""
         self._half_widths = float(np.sqrt(confidence_scale))
+        self._revoking = float(np.sqrt(revocation_scale))
         self._lower = np.full(shape, -np.inf)
         self._upper = np.full(shape, np.inf)
         self.total_resets = 0
@@ -68,9 +73,10 @@ class ConfidenceIntervals:
         self._upper = np.where(over, upper, kept_upper)
         self._lower.setflags(write=False)
         self._upper.setflags(write=False)
+        newest = np.where(unknown, np.inf, mean + self._revoking * std)
         resets = int(np.count_nonzero(empty))
         self.total_resets += resets
-        return Bounds(self._lower, self._upper, resets)
+        return Bounds(self._lower, self._upper, newest, resets)
 
 
 def _check(mean: FloatArray, std: FloatArray, shape: tuple[int, ...]) -> None:

@@ -18,6 +18,9 @@ class PlannerConfiguration(Configuration):
         0.5, 'slip ratio h above which ground is unsafe', low=0.05, high=0.99)
     confidence_scale: float = parameter(
         4.0, 'beta: a confidence interval is mean -+ sqrt(beta) std', low=0.0, high=100.0)
+    revocation_scale: float = parameter(
+        1.0, 'a certificate is given up where mean + sqrt(this) std of the newest map exceeds the '
+        'threshold (bound)', low=0.0, high=100.0)
     lipschitz_constant: float = parameter(
         2.0, 'L: steepest change of slip that is believed possible', unit='1/m',
         low=0.1, high=100.0)

@@ -6,12 +6,12 @@ import array
 import numpy as np
 from geometry_msgs.msg import Point
 from numpy.typing import NDArray
-from psane_mapping.conversions import header
-from psane_mapping.grid import FloatArray
-from psane_msgs.msg import FrontierArray, PlannerStatus, RegionPolygon, Ring, SafeRegion
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.polygon import LinearRing, orient
 
+from psane_mapping.conversions import header
+from psane_mapping.grid import FloatArray
+from psane_msgs.msg import FrontierArray, PlannerStatus, RegionPolygon, Ring, SafeRegion
 from psane_planner.status import Plan
 
 CERTIFIED, UNSAFE, UNCERTIFIED = 0, 100, -1

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
 from psane_mapping.grid import FloatArray, Grid
 from psane_mapping.map_cells import slip_of_cells
-
 from psane_planner.errors import MapError
 
 Cells = NDArray[np.int8]

@@ -3,12 +3,12 @@
 
 import numpy as np
 from geometry_msgs.msg import Point
-from psane_mapping.conversions import header
-from psane_mapping.grid import FloatArray
 from shapely.geometry import Polygon
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from psane_mapping.conversions import header
+from psane_mapping.grid import FloatArray
 from psane_planner.conversions import points_of
 from psane_planner.status import Plan
 

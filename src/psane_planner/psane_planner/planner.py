@@ -38,8 +38,7 @@ class SafePlanner:
 
     def reset(self) -> None:
         """Forget everything, as after the map was reset."""
-        self._intervals = ConfidenceIntervals(self.grid.shape,
-                                              self.configuration.confidence_scale)
+        self._intervals = self._wide_open(self.configuration)
         self._safe_set = SafeSet(self.configuration, self.grid)
         self._was_certified = False
         self._is_lost = False
@@ -51,13 +50,18 @@ class SafePlanner:
         Intervals and certificates are kept, unless the width of the intervals is another one;
         the memory of frontiers starts over. The strategy is fixed at construction.
         """
-        is_other_width = configuration.confidence_scale != self.configuration.confidence_scale
+        old = self.configuration
+        is_other_width = ((configuration.confidence_scale, configuration.revocation_scale)
+                          != (old.confidence_scale, old.revocation_scale))
         self.configuration = configuration
         if is_other_width:
-            self._intervals = ConfidenceIntervals(self.grid.shape,
-                                                  configuration.confidence_scale)
+            self._intervals = self._wide_open(configuration)
         self._safe_set = SafeSet(configuration, self.grid, self._safe_set.mask)
         self._make_parts()
+
+    def _wide_open(self, configuration: PlannerConfiguration) -> ConfidenceIntervals:
+        return ConfidenceIntervals(self.grid.shape, configuration.confidence_scale,
+                                   configuration.revocation_scale)
 
     def _make_parts(self) -> None:
         """Make what holds no knowledge of the ground."""
@@ -153,7 +157,8 @@ class SafePlanner:
 
     def _empty_scene(self, goal: FloatArray | None, now: float) -> Scene:
         nothing = np.zeros(self.grid.shape, dtype=np.bool_)
-        unknown = Bounds(np.full(self.grid.shape, -np.inf), np.full(self.grid.shape, np.inf), 0)
+        high = np.full(self.grid.shape, np.inf)
+        unknown = Bounds(-high, high, high, 0)
         return Scene(now=now, position=np.full(2, np.nan), goal=goal, bounds=unknown,
                      admissible=nothing, certified=nothing, component=nothing,
                      outside_distance=math.inf, is_lost=False, region=None)

@@ -125,7 +125,7 @@ class SafePlannerNode(Node):
         self._publish(plan, now)
 
     def _publish(self, plan: Plan, now: float) -> None:
-        """Publish the subgoal first: whoever reads the status then has the subgoal that it means."""
+        """Publish the subgoal first: who reads the status then has the subgoal that it means."""
         before, self._plan = self._plan, plan
         if before is None or is_other_point(before.subgoal, plan.subgoal):
             self._publish_subgoal(plan, now)

@@ -71,7 +71,7 @@ class SafeSet:
         previous = self.mask & admissible
         own = (bounds.upper <= h) & admissible
         if self._configuration.certification == 'bound':
-            certified = own & ~(mean > h)
+            certified = own & (bounds.newest <= h)
         elif previous.any():
             certified = propagate(previous, bounds.upper, self._configuration,
                                   self._grid.resolution) & admissible

@@ -3,6 +3,7 @@
 
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
+
 from psane_mapping.conversions import header, pose_message
 from psane_mapping.grid import FloatArray
 

@@ -5,16 +5,22 @@ import math
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import splu
 
 from psane_mapping.grid import FloatArray, Grid, IndexArray
+from psane_reactive.clearance import Border
 from psane_reactive.errors import MapError
 from psane_reactive.model_map import Way
+
+Mask = NDArray[np.bool_]
 
 # Number of cells inside the region, and in the box around it, at most.
 _LARGEST = 60000
 _LARGEST_BOX = 1000000
+# Within so many cells the cell of a point is looked for.
+_VIEW = 3.0
 _STEPS = ((0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, -1))
 
 
@@ -57,18 +63,37 @@ class ScreenedPoissonField:
         self._centres = self.grid.point_of(self._cells)
         self._number = np.full(self.grid.shape, -1)
         self._number[self.is_inside] = np.arange(len(self._cells))
+        self._border = Border(polygon)
+        self._open_right, self._open_up = self._open_links(polygon)
         self._factors = self._factorise(length)
         self._solved: tuple[int, FloatArray] | None = None
+
+    def _open_links(self, polygon: shapely.Polygon) -> tuple[Mask, Mask]:
+        """Tell which cells can be left to the right and upwards without crossing the border."""
+        cell = self.grid.resolution
+        depth = np.zeros(self.grid.shape)
+        depth[self.is_inside] = -self._border.outside_distances(self._centres)
+        shapely.prepare(polygon)
+        links = []
+        for down, right in ((0, 1), (1, 0)):
+            link = self.is_inside & np.roll(self.is_inside, (-down, -right), (0, 1))
+            link[-1:, :] &= down == 0
+            link[:, -1:] &= right == 0
+            near = np.argwhere(link & (depth < cell))
+            ends = np.stack((self.grid.point_of(near), self.grid.point_of(near + (down, right))),
+                            axis=1)
+            link[tuple(near.T)] = shapely.covers(polygon, shapely.linestrings(ends))
+            links.append(link)
+        return links[0], links[1]
 
     def _factorise(self, length: float) -> object:
         """Factorise the five-point matrix of the inside cells."""
         weight = (length / self.grid.resolution) ** 2
         heads, tails = [], []
-        for first, second in ((self._number[:, :-1], self._number[:, 1:]),
-                              (self._number[:-1], self._number[1:])):
-            both = (first >= 0) & (second >= 0)
-            heads += [first[both], second[both]]
-            tails += [second[both], first[both]]
+        for link, shift in ((self._open_right, (0, -1)), (self._open_up, (-1, 0))):
+            first, second = self._number[link], np.roll(self._number, shift, (0, 1))[link]
+            heads += [first, second]
+            tails += [second, first]
         row, column = np.concatenate(heads), np.concatenate(tails)
         count = len(self._cells)
         diagonal = 1.0 + weight * np.bincount(row, minlength=count)
@@ -109,8 +134,13 @@ class ScreenedPoissonField:
         return Way(np.array(points), ends_at_goal=False)
 
     def _nearest(self, point: FloatArray) -> int:
-        """Return the number of the inside cell whose centre is nearest to a point."""
-        return int(np.argmin(((self._centres - point) ** 2).sum(axis=1)))
+        """Return the inside cell whose centre is nearest to a point, seen from it if any is."""
+        squares = ((self._centres - point) ** 2).sum(axis=1)
+        near = np.flatnonzero(squares < (_VIEW * self.grid.resolution) ** 2)
+        for cell in near[np.argsort(squares[near])]:
+            if self._border.segment_distance(point, self._centres[cell], 1e-6) > 0.0:
+                return int(cell)
+        return int(np.argmin(squares))
 
     def _solve(self, goal: int) -> FloatArray:
         """Return u of the inside cells for a goal cell, kept until the goal changes."""
@@ -126,21 +156,21 @@ class ScreenedPoissonField:
         row, column = self._cells[here]
         best, steepest = -1, 0.0
         for down, right in _STEPS:
-            other = self._at(row + down, column + right)
-            if other < 0 or values[other] <= values[here]:
+            if not self._is_open(row, column, down, right):
                 continue
-            is_diagonal = down != 0 and right != 0
-            if is_diagonal and min(self._at(row + down, column),
-                                   self._at(row, column + right)) < 0:
-                continue
+            other = int(self._number[row + down, column + right])
             rise = math.log(values[other] / values[here]) / math.hypot(down, right)
             if rise > steepest:
                 best, steepest = other, rise
         return best
 
-    def _at(self, row: int, column: int) -> int:
-        """Return the number of the inside cell at row and column, -1 outside."""
-        rows, columns = self.grid.shape
-        if not (0 <= row < rows and 0 <= column < columns):
-            return -1
-        return int(self._number[row, column])
+    def _is_open(self, row: int, column: int, down: int, right: int) -> bool:
+        """Tell whether a step to one of the eight neighbours stays inside the region."""
+        if down != 0 and right != 0:
+            return (self._is_open(row, column, down, 0) and self._is_open(row, column, 0, right)
+                    and self._is_open(row + down, column, 0, right)
+                    and self._is_open(row, column + right, down, 0))
+        first_row, first_column = row + min(down, 0), column + min(right, 0)
+        if first_row < 0 or first_column < 0:
+            return False
+        return bool((self._open_up if down != 0 else self._open_right)[first_row, first_column])

@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from psane_mapping import benchmark as map_benchmark
 from psane_planner import benchmark as plan_benchmark
 from psane_reactive import benchmark as steer_benchmark
-
 from psane_sim import simulator_benchmark
 from psane_sim.catalogue import load_terrain
 from psane_sim.closed_loop import ClosedLoop, Settings

@@ -94,7 +94,7 @@ class ClosedLoop:
         self.plan: Plan | None = None
 
     def run(self, show: Callable[[Progress], None] | None = None) -> tuple[Outcome, Score]:
-        """Run until the planner ends, the time is over or the user interrupts; return the score."""
+        """Run until the planner ends, the time is over or the user interrupts."""
         began = time.monotonic()
         ending, tick = Ending.TIMEOUT, 0
         try:
@@ -130,7 +130,8 @@ class ClosedLoop:
         for contact in contacts:
             sample = self._mapper.add(contact)
             if isinstance(sample, TerrainSample):
-                self.record.contacts.append((sample.time, *map(float, sample.point), sample.slip))
+                x, y = float(sample.point[0]), float(sample.point[1])
+                self.record.contacts.append((sample.time, x, y, sample.slip))
         now = self._simulator.time
         if tick % PLAN_PERIOD == 0:
             self._plan(now)

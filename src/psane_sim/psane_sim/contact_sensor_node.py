@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The node `contact_sensor`: joints, hip wrenches, imu and odometry in, one record a stance out."""
+"""The node `contact_sensor`: joints, hip wrenches, imu, odometry in; a record a stance out."""
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.msg import Odometry

@@ -72,7 +72,8 @@ def parser() -> argparse.ArgumentParser:
                       'the machine can keep up (default 2)')
     made.add_argument('--gui', action='store_true', help="show the physics engine's window")
     made.add_argument('--out', type=Path, metavar='DIR',
-                      help='where summary, picture and logs go (default out/TERRAIN-STRATEGY-SEED)')
+                      help='where summary, picture and logs go (default '
+                      'out/TERRAIN-STRATEGY-SEED)')
     return made
 
 
@@ -114,7 +115,8 @@ def assignment_of(options: argparse.Namespace) -> Assignment:
 
 def _require(name: str, value: float, low: float, high: float, unit: str) -> None:
     if not (math.isfinite(value) and low <= value <= high):
-        raise TaskError(f'{name} {value:g}: expected a value in [{low:g}, {high:g}] {unit}'.rstrip())
+        expected = f'expected a value in [{low:g}, {high:g}] {unit}'.rstrip()
+        raise TaskError(f'{name} {value:g}: {expected}')
 
 
 def _require_inside(name: str, point: Sequence[float], terrain: Terrain) -> None:

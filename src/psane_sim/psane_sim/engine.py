@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import pybullet
 from numba import njit
 
 from psane_mapping.grid import FloatArray
 from psane_mapping.leg import RobotModel
 from psane_sim.errors import SimulationError
+from psane_sim.quiet_pybullet import pybullet
 from psane_sim.robot_body import load_robot
 from psane_sim.soil import BODY, GroundLoad, RobotState
 

@@ -157,7 +157,6 @@ class GraphRun:
                show: Callable[[Progress], None]) -> tuple[Ending, str]:
         goal = self._assignment.task.goal
         heard, clock, patience = time.monotonic(), 0.0, STARTING
-        is_sent = goal is None
         while True:
             self._spin(observer, processes)
             if observer.time != clock:
@@ -168,9 +167,9 @@ class GraphRun:
                 show(observer.starting([SIMULATOR]))
                 continue
             show(observer.progress())
-            if not is_sent and observer.is_heard():
+            if goal is not None and observer.is_heard():
                 observer.send_goal(goal)
-                is_sent = True
+                goal = None
             if observer.time >= self._assignment.task.duration:
                 return Ending.TIMEOUT, ''
             status = observer.status

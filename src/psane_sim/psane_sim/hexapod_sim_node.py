@@ -47,7 +47,8 @@ class HexapodSimNode(Node):
         self._simulator = self._make_simulator(simulator, robot)
         self._sensors = Sensors(simulator, self._settings.seed)
         self._watchdog = CommandWatchdog(self._settings.command_timeout)
-        self._log = TruthLog(Path(self._settings.truth_file)) if self._settings.truth_file else None
+        truth_file = self._settings.truth_file
+        self._log = TruthLog(Path(truth_file)) if truth_file else None
         self._advertise()
         self._intake = Intake(self)
         self._intake.subscribe(Twist, 'cmd_vel', self._take_command, COMMANDS)

@@ -31,8 +31,8 @@ def draw_run(record: RunRecord, terrain: Terrain, threshold: float, title: str,
         Largest safe slip [-]; drawn as a contour of the true field.
     """
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(10.4, 6.0), layout='constrained')
-        axes = figure.subplot_mosaic(
+        figure = Figure(figsize=(10.4, 6.6), layout='constrained')
+        axes: dict[str, Axes] = figure.subplot_mosaic(
             [['truth', 'truth', 'mean'], ['truth', 'truth', 'std'], ['truth', 'truth', 'time']],
             width_ratios=[1.0, 1.0, 0.9], height_ratios=[1.0, 1.0, 0.75])
         _draw_truth(axes['truth'], figure, record, terrain, threshold, title)
@@ -59,7 +59,8 @@ def _draw_truth(axes: Axes, figure: Figure, record: RunRecord, terrain: Terrain,
     _outline_certified(axes, record, 1.6)
     _draw_path(axes, record)
     axes.set(title=title, xlabel='x [m]', ylabel='y [m]', aspect='equal')
-    axes.legend(handles=_legend(threshold), loc='upper right', framealpha=0.92, fontsize=7)
+    axes.legend(handles=_legend(threshold), loc='upper center', bbox_to_anchor=(0.5, -0.075),
+                ncols=5, frameon=False, fontsize=7.5, handletextpad=0.4, columnspacing=1.4)
 
 
 def _outline_certified(axes: Axes, record: RunRecord, width: float) -> None:
@@ -121,9 +122,9 @@ def _draw_map(axes: Axes, figure: Figure, record: RunRecord, values: FloatArray 
     axes.set(title=title, aspect='equal', xticks=[0, 5, 10], yticks=[0, 5, 10])
     if values is None:
         return
-    limits = {'vmin': 0.0, 'vmax': 1.0} if colours == 'turbo' else {'vmin': 0.0}
+    top = 1.0 if colours == 'turbo' else float(np.nanmax(values))
     image = axes.imshow(values, origin='lower', extent=_extent(record.grid), cmap=colours,
-                        **limits)
+                        vmin=0.0, vmax=top)
     figure.colorbar(image, ax=axes, shrink=0.9, pad=0.02, label='[-]')
     _outline_certified(axes, record, 1.0)
 

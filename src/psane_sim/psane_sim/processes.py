@@ -48,8 +48,8 @@ def executable(package: str, name: str) -> Path:
     try:
         path = Path(get_package_prefix(package)) / 'lib' / package / name
     except PackageNotFoundError as error:
-        raise GraphError(f'package {package} is not installed: build the workspace (./psane build) '
-                         'and source install/setup.bash') from error
+        raise GraphError(f'package {package} is not installed: build the workspace '
+                         '(./psane build) and source install/setup.bash') from error
     if not path.is_file():
         raise GraphError(f'{path} does not exist: build the workspace (./psane build)')
     return path

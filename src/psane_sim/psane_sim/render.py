@@ -8,10 +8,10 @@ from tempfile import TemporaryDirectory
 
 import cv2
 import numpy as np
-import pybullet
 from numpy.typing import NDArray
 
 from psane_mapping.leg import RobotModel
+from psane_sim.quiet_pybullet import pybullet
 from psane_sim.robot_body import load_robot
 from psane_sim.terrain import Terrain
 from psane_sim.truth import Truth

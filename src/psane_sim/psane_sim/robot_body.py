@@ -5,10 +5,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-import pybullet
 
 from psane_mapping.grid import FloatArray
 from psane_mapping.leg import LEG_NAMES, RobotModel
+from psane_sim.quiet_pybullet import pybullet
 
 _BODY_COLOUR = '0.16 0.24 0.38 1'
 _LEG_COLOURS = ('0.90 0.55 0.13 1', '0.93 0.75 0.25 1')

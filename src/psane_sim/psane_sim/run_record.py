@@ -12,7 +12,7 @@ from psane_mapping.grid import FloatArray, Grid
 
 @dataclass(kw_only=True)
 class RunRecord:
-    """Gathers a run while it happens; all points in the map frame [m], times [s] of the simulation.
+    """Gathers a run while it happens; points in the map frame [m], times of the simulation [s].
 
     Parameters
     ----------
@@ -50,5 +50,8 @@ class RunRecord:
     def note_subgoal(self, now: float, point: FloatArray) -> None:
         """Add a subgoal if it differs from the last one by more than a centimetre."""
         x, y = float(point[0]), float(point[1])
-        if not self.subgoals or np.hypot(x - self.subgoals[-1][1], y - self.subgoals[-1][2]) > 0.01:
-            self.subgoals.append((now, x, y))
+        if self.subgoals:
+            _, last_x, last_y = self.subgoals[-1]
+            if np.hypot(x - last_x, y - last_y) <= 0.01:
+                return
+        self.subgoals.append((now, x, y))

@@ -13,7 +13,7 @@ from psane_sim.terrain import Terrain
 BoolArray = NDArray[np.bool_]
 
 PATH_STEP = 0.05
-"""Path length is summed over moves of at least this [m], so that the sway of a stride does not count."""
+"""Path length is summed over moves of at least this [m], so that a stride's sway is left out."""
 
 
 @dataclass(frozen=True, kw_only=True)
