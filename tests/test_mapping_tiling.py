@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which windows a measurement reaches, and that every cell belongs to one block."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from psane_mapping.errors import ParameterError
 from psane_mapping.grid import Grid
 from psane_mapping.kernels import RadialBasis
 from psane_mapping.tiling import Tiling
@@ -26,19 +29,42 @@ def test_every_cell_belongs_to_exactly_one_block(rows, columns, tile):
 
 @settings(max_examples=200)
 @given(x=st.floats(-1.0, 2.0), y=st.floats(2.0, 4.5), margin=st.floats(0.0, 1.5))
-def test_the_blocks_reached_are_those_whose_window_holds_the_point(x, y, margin):
+def test_the_blocks_reached_are_those_within_the_margin_of_the_point(x, y, margin):
     grid = Grid(origin_x=-1.0, origin_y=2.0, resolution=0.1, rows=25, columns=30)
     tiling = Tiling(grid, 7, 8, margin)
-    point = np.array([x, y])
-    reached = set(tiling.reached_from(point))
+    reached = set(tiling.reached_from(np.array([x, y])))
     for row in range(4):
         for column in range(4):
-            corner = tiling.tile((row, column)).corner
-            inside = point - corner
-            size = np.array(tiling.window_size[::-1])
-            # A point within round-off of a window's edge may count either way.
-            if np.abs(np.concatenate((inside, size - inside))).min() > 1e-9:
-                assert ((row, column) in reached) == bool(((inside > 0) & (inside < size)).all())
+            low = np.array([-1.0 + 0.8 * column, 2.0 + 0.7 * row])
+            nearest = np.clip((x, y), low, low + (0.8, 0.7))
+            distance = math.hypot(*(nearest - (x, y)))
+            # A point within round-off of the margin may count either way.
+            if abs(distance - margin) > 1e-9:
+                assert ((row, column) in reached) == (distance < margin)
+
+
+@settings(max_examples=200)
+@given(x=st.floats(-30.0, 30.0), y=st.floats(-30.0, 30.0))
+def test_a_tiling_grows_by_whole_blocks_until_it_holds_the_reach_of_a_point(x, y):
+    start = Tiling.cheapest(Grid.over_workspace(0.0, 0.0, 2.0, 3.0, 0.1), RBF, 1e-8, grows=True)
+    assert start.grid.rows % start.tile_rows == start.grid.columns % start.tile_columns == 0
+    point = np.array([x, y])
+    grown, (south, west) = start.grown_to_hold(point)
+    assert grown.holds_reach_of(point) or start.margin == 0.0
+    assert grown.grid.rows % start.tile_rows == grown.grid.columns % start.tile_columns == 0
+    # What was a block stays the same block, at the same place.
+    old, new = start.tile((0, 0)), grown.tile((south, west))
+    assert np.allclose(old.corner, new.corner, atol=1e-9)
+    # No more than needed.
+    assert grown.grid.rows <= start.grid.rows + 2 + (
+        abs(y) + 2.0 * start.margin) / 0.1 + 2 * start.tile_rows
+    # A tiling that already holds it stays as it is.
+    assert grown.grown_to_hold(point) == (grown, (0, 0))
+
+
+def test_a_growing_map_of_tolerance_zero_is_refused():
+    with pytest.raises(ParameterError, match='tolerance'):
+        Tiling.cheapest(Grid.over_workspace(0.0, 0.0, 2.0, 3.0, 0.1), RBF, 0.0, grows=True)
 
 
 def test_a_small_map_is_one_window_and_a_large_one_is_not():

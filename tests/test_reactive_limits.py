@@ -59,7 +59,7 @@ def test_a_wrapped_angle_is_the_same_angle_within_half_a_turn(angle):
 
 
 @pytest.mark.parametrize(('name', 'value'), [
-    ('linear_limit', -0.1), ('steering_map', 'straight'), ('turn_until', 0.9), ('slowest', 0.4),
+    ('linear_limit', -0.1), ('steering_map', 'straight'), ('turn_until', 1.5), ('slowest', 0.4),
     ('mesh_edge', math.nan), ('mesh_size', 2.5)])
 def test_a_bad_parameter_is_refused_by_its_name(name, value):
     with pytest.raises(ParameterError, match=name):

@@ -24,6 +24,7 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': [
+            'fit = psane_mapping.fit:main',
             'terrain_mapper = psane_mapping.terrain_mapper_node:main',
         ],
     },

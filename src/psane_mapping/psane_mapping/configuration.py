@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parameters of the mapping package."""
 
+import re
 from dataclasses import dataclass
 
 from psane_mapping.errors import ParameterError
+from psane_mapping.journal import SYNC_POLICIES
 from psane_mapping.kernels import KERNELS
 from psane_mapping.parameters import Configuration, parameter
 
 STRENGTH_METHODS = ('force_law', 'linear_stiffness')
+PRIOR_QUANTITIES = ('slip', 'strength')
 SLIP_MODELS = ('calibrated', 'rotary_walking', 'rotary_walking_raw')
+
+_TOPIC = re.compile(r'(~/|/)?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*')
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,6 +26,12 @@ class MappingConfiguration(Configuration):
     max_y: float = parameter(10.0, 'north end of the workspace', unit='m', read_only=True)
     resolution: float = parameter(0.1, 'edge of a cell', unit='m', low=0.01, high=10.0,
                                   read_only=True)
+    grow: bool = parameter(
+        False, 'whether the map grows with what is felt; the workspace is then where it starts',
+        read_only=True)
+    largest_extent: float = parameter(
+        200.0, 'contacts farther than this from the middle of the workspace are rejected when '
+        'the map grows', unit='m', low=1.0, high=1e5, read_only=True)
     # --- from a stance to the strength of the ground
     strength_method: str = parameter(
         'force_law', 'how strength is read from a stance: regression on the predicted force, or '
@@ -30,8 +41,8 @@ class MappingConfiguration(Configuration):
     least_depth: float = parameter(0.003, 'stances that stay shallower are rejected', unit='m',
                                    low=0.0, high=1.0)
     least_response: float = parameter(
-        2.0, 'stances whose predicted force at strength 1 is a smaller multiple of its noise are '
-        'rejected', low=0.0, high=1000.0)
+        2.0, 'stances whose predicted force at strength 1 never exceeds this multiple of its noise '
+        'are rejected', low=0.0, high=1000.0)
     least_r_squared: float = parameter(
         0.9, 'stances whose regression explains a smaller share are rejected',
         low=0.0, high=1.0)
@@ -108,7 +119,34 @@ class MappingConfiguration(Configuration):
     highest_strength: float = parameter(
         20.0, 'strength that the published map shows as 100; between them it is logarithmic',
         low=1e-6, high=1e6, read_only=True)
+    prior_file: str = parameter(
+        '', "prior map: .yaml with its image (map_server), .npy over the map's cells, or .map of "
+        'an earlier mission; empty for the constant means', read_only=True)
+    prior_topic: str = parameter(
+        '', 'topic of an OccupancyGrid that is the prior map; empty for none', read_only=True)
+    prior_quantity: str = parameter(
+        'slip', 'what a prior map holds; as an OccupancyGrid slip in per cent, strength as in '
+        'the published strength/mean', choices=PRIOR_QUANTITIES, read_only=True)
+    # --- what the map says of itself
+    innovation_window: int = parameter(
+        100, 'latest contacts whose distance from their prediction is watched', unit='count',
+        low=30, high=100000, read_only=True)
+    most_innovation: float = parameter(
+        1.5, 'root mean square of the normalised innovations above which the map is said to be '
+        'over-confident', low=1.0, high=100.0)
+    # --- files
+    map_directory: str = parameter(
+        '', 'folder of the journal and of saved maps; empty for no files', read_only=True)
+    recover: bool = parameter(
+        True, 'whether a start takes up the journal in map_directory; otherwise that is kept '
+        'under another name', read_only=True)
+    journal_sync: str = parameter(
+        'second', 'when the journal must have reached the disk; a kill costs nothing in any case, '
+        'a power cut what was not synchronised', choices=SYNC_POLICIES, read_only=True)
     # --- names and rates
+    contact_topics: str = parameter(
+        'leg_contacts', 'topics of the contacts of all robots, separated by commas',
+        read_only=True)
     map_frame: str = parameter('map', 'frame of the maps', read_only=True)
     publish_rate: float = parameter(5.0, 'most maps published in a second', unit='Hz',
                                     low=0.1, high=100.0, read_only=True)
@@ -129,6 +167,14 @@ class MappingConfiguration(Configuration):
             if getattr(self, common) > getattr(self, prior):
                 raise ParameterError(common, getattr(self, common),
                                      f'at most {prior} = {getattr(self, prior):g}')
+        if self.grow and self.tolerance == 0.0:
+            raise ParameterError('tolerance', self.tolerance, 'a value above 0 for a growing map')
+        topics = self.topics_of_contacts
+        if not topics or not all(_TOPIC.fullmatch(name) for name in topics):
+            raise ParameterError('contact_topics', self.contact_topics,
+                                 'one or more names of topics, separated by commas')
+        if self.prior_topic and not _TOPIC.fullmatch(self.prior_topic):
+            raise ParameterError('prior_topic', self.prior_topic, 'the name of a topic')
         for scale, prior in (('std_scale', 'slip_prior_deviation'),
                              ('log_std_scale', 'log_strength_prior_deviation')):
             if 100.0 * getattr(self, scale) < getattr(self, prior) * (1.0 - 1e-9):
@@ -138,3 +184,9 @@ class MappingConfiguration(Configuration):
         if self.highest_strength <= self.lowest_strength:
             raise ParameterError('highest_strength', self.highest_strength,
                                  f'a value above lowest_strength = {self.lowest_strength:g}')
+
+    @property
+    def topics_of_contacts(self) -> tuple[str, ...]:
+        """The topics in `contact_topics`, each once."""
+        names = (name.strip() for name in self.contact_topics.split(','))
+        return tuple(dict.fromkeys(name for name in names if name))

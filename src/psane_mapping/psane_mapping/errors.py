@@ -25,3 +25,7 @@ class ShapeError(MappingError, ValueError):
 
 class MessageError(MappingError, ValueError):
     """A message cannot be used: wrong frame, non-finite number or wrong size."""
+
+
+class MapFileError(MappingError):
+    """A file of samples cannot be read or written, or its name is not one."""

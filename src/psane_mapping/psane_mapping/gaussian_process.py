@@ -9,37 +9,32 @@ cells given every measurement within the kernel's reach of them. So
 - a measurement costs the same however large the map and however long the history (RBF);
 - the posterior is a function of the set of measurements, whatever their order, up to round-off
   (1e-8 is asserted; 1e-12 is typical);
-- what lies beyond the reach is ignored, not guessed. Windows of a large map are therefore less
+- what lies beyond the reach is ignored, not guessed. The windows of a large map are therefore less
   certain than the dense process, modes left out aside (measured at the default tolerance: below
   its deviation by 6e-4 at most), and their mean differs by a few per cent of the deviation.
 
 `tolerance` alone trades error against speed. It is the share of prior variance below which a mode
-is left out (a hundred times that in blocks), and the share that a measurement just beyond the reach
-could have taken away; 0 keeps everything in one window, and equals the dense process to round-off.
+is left out (a hundred times that in blocks), and the share that a measurement just beyond the
+reach could have taken away; 0 keeps everything in one window, and equals the dense process to
+round-off.
 """
 
 import math
-from array import array
-from collections import OrderedDict
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from psane_mapping.basis import RectangleBasis
 from psane_mapping.errors import ParameterError, ShapeError
 from psane_mapping.grid import FloatArray, Grid
 from psane_mapping.kalman import assimilate
-from psane_mapping.kernels import Kernel, RadialBasis
+from psane_mapping.kernels import Kernel
 from psane_mapping.tiling import Tiling
-from psane_mapping.windows import DenseWindow, SpectralWindow, Window
+from psane_mapping.window_store import WindowStore
 
 _LEAST_NOISE = 1e-6
-_MERGE_SHARE = 0.1
-_RESIDENT_BYTES = 40e6
-_FEWEST_RESIDENT = 16
-_RECORD = 4
 
-Index = tuple[int, int]
+PriorMean = float | FloatArray | Callable[[Grid], float | FloatArray]
 
 
 class Innovation(NamedTuple):
@@ -60,68 +55,40 @@ class GridPosterior:
     ----------
     grid : Grid
     kernel : Kernel
-    prior_mean : float or (rows, columns) float
-        Constant, or a prior map.
+    prior_mean : float, (rows, columns) float, or a function of a grid that returns one of them
+        A map that grows needs a constant or a function.
     tolerance : float
         Bound on what is left out, as a share of the prior variance [-]; 0 for the dense process.
     grows : bool
-        Whether `grow` will be called. The grid is then rounded up to whole blocks.
+        True for a grid that grows by whole blocks, so that it holds all that is measured and what
+        lies in reach of it; `grid` is then where it starts.
     """
 
-    def __init__(self, grid: Grid, kernel: Kernel, prior_mean: float | FloatArray = 0.0,
+    def __init__(self, grid: Grid, kernel: Kernel, prior_mean: PriorMean = 0.0,
                  tolerance: float = 1e-8, grows: bool = False) -> None:
         if not (math.isfinite(tolerance) and 0.0 <= tolerance <= 1e-2):
             raise ParameterError('tolerance', tolerance, 'a finite value in [0, 0.01]')
         self.kernel = kernel
-        self._tolerance = tolerance
         self.tiling = Tiling.cheapest(grid, kernel, tolerance, grows)
-        self._basis = self._make_basis()
-        self.reset(prior_mean)
+        self._grows = grows
+        self._prior_mean = prior_mean
+        self._windows = WindowStore(kernel, self.tiling, tolerance)
+        self.reset()
 
     @property
     def grid(self) -> Grid:
-        """The cells; another one after `grow`."""
+        """The cells; a larger grid once it has grown."""
         return self.tiling.grid
 
-    def reset(self, prior_mean: float | FloatArray | None = None) -> None:
+    def reset(self, prior_mean: PriorMean | None = None) -> None:
         """Forget every measurement, and take another prior mean if one is given."""
         if prior_mean is not None:
-            self._prior = self._checked_prior(prior_mean)
+            self._prior_mean = prior_mean
+        self._prior = self._prior_over_grid()
         self._mean = self._prior.copy()
         self._variance = np.full(self.grid.shape, self.kernel.deviation**2)
-        self._windows: OrderedDict[Index, Window] = OrderedDict()
-        self._records: dict[Index, array[float]] = {}
+        self._windows.clear()
         self.count = 0
-
-    def grow(self, point: FloatArray, prior_mean: Callable[[Grid], float | FloatArray]) -> None:
-        """Add blocks of cells, so that the grid holds a point; what was measured stays.
-
-        Parameters
-        ----------
-        point : (2,) float, map frame [m]
-        prior_mean : callable
-            Returns the prior mean of all cells of the larger grid.
-        """
-        self.tiling, (south, west) = self.tiling.grown_to_hold(point)
-        rows, columns = self._mean.shape
-        first_row, first_column = south * self.tiling.tile_rows, west * self.tiling.tile_columns
-        kept = (slice(first_row, first_row + rows), slice(first_column, first_column + columns))
-        self._prior = self._checked_prior(prior_mean(self.grid))
-        mean, variance = self._prior.copy(), np.full(self.grid.shape, self.kernel.deviation**2)
-        mean[kept], variance[kept] = self._mean, self._variance
-        self._mean, self._variance = mean, variance
-        self._windows = OrderedDict(((row + south, column + west), window)
-                                    for (row, column), window in self._windows.items())
-        self._records = {(row + south, column + west): records
-                         for (row, column), records in self._records.items()}
-        self._hear_of_old_measurements(point)
-
-    def _checked_prior(self, prior_mean: float | FloatArray) -> FloatArray:
-        """Return the prior mean (rows, columns), read-only; a constant takes no memory."""
-        values = np.array(prior_mean, dtype=np.float64)
-        if not np.isfinite(values).all():
-            raise ShapeError('prior_mean holds a number that is not finite')
-        return np.broadcast_to(values, self.grid.shape)
 
     @property
     def mean(self) -> FloatArray:
@@ -139,7 +106,7 @@ class GridPosterior:
         Parameters
         ----------
         point : (2,) float, map frame [m]
-            Inside the grid.
+            Inside the grid, unless that grows.
         value : float
         deviation : float
             Standard deviation of the measurement's noise, above 0; below a millionth of the
@@ -158,10 +125,8 @@ class GridPosterior:
                       // (self.tiling.tile_rows, self.tiling.tile_columns)).tolist())
         for index in self.tiling.reached_from(point):
             tile = self.tiling.tile(index)
-            window = self._window(index)
             x, y = (point - tile.corner).tolist()
-            evidence = window.observe(x, y, excess, variance)
-            self._record(index, (x, y, excess, variance))
+            evidence = self._windows.observe(index, x, y, excess, variance)
             rows, columns = slice(*tile.rows), slice(*tile.columns)
             assimilate(self._mean[rows, columns], self._variance[rows, columns], *evidence)
             if index == home:
@@ -188,9 +153,34 @@ class GridPosterior:
             raise ShapeError(f'value = {value}, expected a finite number')
         if not (math.isfinite(deviation) and deviation > 0.0):
             raise ShapeError(f'deviation = {deviation}, expected a finite number above 0')
+        if self._grows and not self.tiling.holds_reach_of(point):
+            self._grow(point)
         if not self.grid.contains(point):
             raise ShapeError(f'point = {point} m lies outside the grid')
         return point
+
+    def _grow(self, point: FloatArray) -> None:
+        """Add blocks of cells, so that the grid holds the reach of a point."""
+        self.tiling, added = self.tiling.grown_to_hold(point)
+        self._windows.regrid(self.tiling, added)
+        rows, columns = self._mean.shape
+        first_row = added[0] * self.tiling.tile_rows
+        first_column = added[1] * self.tiling.tile_columns
+        kept = (slice(first_row, first_row + rows), slice(first_column, first_column + columns))
+        self._prior = self._prior_over_grid()
+        mean, variance = self._prior.copy(), np.full(self.grid.shape, self.kernel.deviation**2)
+        mean[kept], variance[kept] = self._mean, self._variance
+        self._mean, self._variance = mean, variance
+
+    def _prior_over_grid(self) -> FloatArray:
+        """Return the prior mean (rows, columns), read-only; a constant takes no memory."""
+        prior = self._prior_mean
+        values = np.array(prior(self.grid) if callable(prior) else prior, dtype=np.float64)
+        if not np.isfinite(values).all():
+            raise ShapeError('prior_mean holds a number that is not finite')
+        if values.shape not in ((), self.grid.shape):
+            raise ShapeError(f'prior_mean has shape {values.shape}, expected {self.grid.shape}')
+        return np.broadcast_to(values, self.grid.shape)
 
     def _prior_at(self, point: FloatArray) -> float:
         """Interpolate the prior map bilinearly between cell centres."""
@@ -204,50 +194,3 @@ class GridPosterior:
         lower = (1 - column + left) * self._prior[bottom, left] + (
             column - left) * self._prior[bottom, right]
         return float((1 - row + top) * upper + (row - top) * lower)
-
-    def _make_basis(self) -> RectangleBasis | None:
-        if not isinstance(self.kernel, RadialBasis):
-            return None
-        return RectangleBasis.spanning(self.tiling.window_size, self.tiling.cells_in_window(),
-                                       self.kernel.lengthscale, self._tolerance)
-
-    def _new_window(self, index: tuple[int, int]) -> Window:
-        shape = self.tiling.tile(index).shape
-        if self._basis is not None:
-            return SpectralWindow(self._basis, self.kernel.deviation, shape)
-        along_y, along_x = self.tiling.cells_in_window()
-        y, x = np.meshgrid(along_y[:shape[0]], along_x[:shape[1]], indexing='ij')
-        merge = _MERGE_SHARE * self.kernel.lengthscale if self._tolerance > 0.0 else 0.0
-        return DenseWindow(self.kernel, np.column_stack((x.ravel(), y.ravel())), shape, merge)
-
-    def _window(self, index: tuple[int, int]) -> Window:
-        """Return a window, made or rebuilt if need be, as the most recently used."""
-        window = self._windows.get(index)
-        if window is None:
-            window = self._windows[index] = self._new_window(index)
-            records = self._records.get(index)
-            if records and isinstance(window, SpectralWindow):
-                window.restore(np.array(records))
-            self._let_go()
-        self._windows.move_to_end(index)
-        return window
-
-    def _record(self, index: tuple[int, int],
-                record: tuple[float, float, float, float]) -> None:
-        """Remember what a window was told, as long as that is less than the window itself."""
-        if self._basis is None or self.tiling.is_whole:
-            return
-        records = self._records.setdefault(index, [])
-        if len(records) <= self._basis.count:
-            records.append(record)
-
-    def _let_go(self) -> None:
-        """Drop the longest unused windows that can be rebuilt from their records."""
-        if self._basis is None or self.tiling.is_whole:
-            return
-        most = max(_FEWEST_RESIDENT, int(_RESIDENT_BYTES / (8 * self._basis.count**2)))
-        for index in list(self._windows)[:-_FEWEST_RESIDENT]:
-            if len(self._windows) <= most:
-                return
-            if len(self._records.get(index, ())) <= self._basis.count:
-                del self._windows[index]

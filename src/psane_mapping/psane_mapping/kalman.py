@@ -76,7 +76,7 @@ def observe(covariance: FloatArray, weights: FloatArray, features: FloatArray, v
     for j in range(count):
         innovation -= features[j] * weights[j]
         innovation_variance += features[j] * gain[j]
-    # The prediction's variance is not negative; round-off may say so after very exact measurements.
+    # The prediction's variance is not negative; round-off may say so after exact measurements.
     innovation_variance = max(innovation_variance, variance)
     start = 0
     for j in range(count):

@@ -9,39 +9,17 @@ import numpy as np
 
 from psane_mapping.configuration import MappingConfiguration
 from psane_mapping.contact import LegContact
-from psane_mapping.gaussian_process import GridPosterior
+from psane_mapping.gaussian_process import GridPosterior, PriorMean
 from psane_mapping.grid import FloatArray, Grid
+from psane_mapping.innovations import InnovationMonitor
 from psane_mapping.kernels import kernel_named
+from psane_mapping.prior_map import PriorMap
 from psane_mapping.propagation import propagate, slip_model_of
+from psane_mapping.sample import TerrainSample
 from psane_mapping.slip import SlipModel
 from psane_mapping.strength import Reason, Rejection, estimate_strength
 
-
-@dataclass(frozen=True, kw_only=True)
-class TerrainSample:
-    """What one accepted stance said of the ground.
-
-    Parameters
-    ----------
-    time : float
-        Of lift-off [s].
-    point : (2,) float, map frame [m]
-    leg : int
-    strength : float
-        Penetration resistance relative to ground of strength 1 [-].
-    log_strength_deviation : float
-        Standard deviation of its natural logarithm [-].
-    slip, slip_deviation : float
-        Slip ratio expected there and its standard deviation, as given to the map [-].
-    """
-
-    time: float
-    point: FloatArray
-    leg: int
-    strength: float
-    log_strength_deviation: float
-    slip: float
-    slip_deviation: float
+__all__ = ['TerrainMapper', 'TerrainMaps', 'TerrainSample']
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +28,7 @@ class TerrainMaps:
 
     Parameters
     ----------
+    grid : Grid
     version : int
         Counts every change of the map, resets included.
     time : float
@@ -60,6 +39,7 @@ class TerrainMaps:
         Of the natural logarithm of strength [-].
     """
 
+    grid: Grid
     version: int
     time: float
     slip_mean: FloatArray
@@ -78,21 +58,39 @@ class TerrainMapper:
         Default: the workspace of the configuration.
     slip_model : SlipModel, optional
         Default: the one that the configuration names.
+    prior : PriorMap, optional
+        Default: the constant means of the configuration.
+
+    Notes
+    -----
+    The posterior is the same in whatever order samples are taken in. What a stance says is not,
+    quite: the noise from the point's uncertainty follows the slope of the map as it was when
+    the stance came (`use_position_noise`).
     """
 
     def __init__(self, config: MappingConfiguration, grid: Grid | None = None,
-                 slip_model: SlipModel | None = None) -> None:
+                 slip_model: SlipModel | None = None, prior: PriorMap | None = None) -> None:
         self.config = config
-        self.grid = grid or Grid.over_workspace(config.min_x, config.min_y, config.max_x,
-                                                config.max_y, config.resolution)
         self.slip_model = slip_model or slip_model_of(config)
-        self._slip = self._posterior(config.slip_prior_mean, config.slip_prior_deviation)
-        self._log_strength = self._posterior(config.log_strength_prior_mean,
+        self._prior = prior
+        start = grid or Grid.over_workspace(config.min_x, config.min_y, config.max_x,
+                                            config.max_y, config.resolution)
+        self._middle = np.array([(start.x[0] + start.x[-1]) / 2.0,
+                                 (start.y[0] + start.y[-1]) / 2.0])
+        self._slip = self._posterior(start, self._slip_prior(), config.slip_prior_deviation)
+        self._log_strength = self._posterior(start, self._log_strength_prior(),
                                              config.log_strength_prior_deviation)
         self._version = 0
         self._latest = math.nan
         self.accepted = 0
         self.rejected: Counter[Reason] = Counter()
+        self.slip_innovations = InnovationMonitor(config.innovation_window)
+        self.log_strength_innovations = InnovationMonitor(config.innovation_window)
+
+    @property
+    def grid(self) -> Grid:
+        """The cells of the maps; another grid once a map that grows has grown."""
+        return self._slip.grid
 
     def add(self, contact: LegContact) -> TerrainSample | Rejection:
         """Take in one stance; return what it said, or why it was not used."""
@@ -100,14 +98,25 @@ class TerrainMapper:
         if isinstance(outcome, Rejection):
             self.rejected[outcome.reason] += 1
             return outcome
-        self._slip.condition(outcome.point, outcome.slip, outcome.slip_deviation)
-        self._log_strength.condition(outcome.point, math.log(outcome.strength),
-                                     outcome.log_strength_deviation)
+        self.take(outcome)
+        return outcome
+
+    def take(self, sample: TerrainSample) -> bool:
+        """Take in what an earlier stance, or another mapper's, said; False if it is off the map.
+
+        The same samples in the same order give the same map to the last bit.
+        """
+        if not self._covers(sample.point):
+            return False
+        self.slip_innovations.add(
+            self._slip.condition(sample.point, sample.slip, sample.slip_deviation))
+        self.log_strength_innovations.add(
+            self._log_strength.condition(sample.point, math.log(sample.strength),
+                                         sample.log_strength_deviation))
         self.accepted += 1
         self._version += 1
-        self._latest = outcome.time if math.isnan(self._latest) else max(self._latest,
-                                                                         outcome.time)
-        return outcome
+        self._latest = sample.time if math.isnan(self._latest) else max(self._latest, sample.time)
+        return True
 
     def maps(self) -> TerrainMaps:
         """Return the maps as they are now.
@@ -121,7 +130,7 @@ class TerrainMapper:
         """
         config = self.config
         maps = TerrainMaps(
-            version=self._version, time=self._latest,
+            grid=self.grid, version=self._version, time=self._latest,
             slip_mean=self._slip.mean, log_strength_mean=self._log_strength.mean,
             slip_std=_with_common_mode(self._slip, config.common_deviation),
             log_strength_std=_with_common_mode(self._log_strength, config.common_log_deviation))
@@ -132,8 +141,8 @@ class TerrainMapper:
 
     def warm_up(self) -> None:
         """Compile what runs compiled, so that the first stance does not wait for it."""
-        throwaway = TerrainMapper(self.config, self.grid, self.slip_model)
-        centre = self.grid.point_of(np.array(self.grid.shape) // 2)
+        throwaway = TerrainMapper(self.config, slip_model=self.slip_model)
+        centre = throwaway.grid.point_of(np.array(throwaway.grid.shape) // 2)
         load = np.outer(np.linspace(1.0, 60.0, 60), np.ones(3))
         throwaway.add(LegContact(
             leg=0, touch_down=0.0, lift_off=0.3, point=centre, point_deviation=0.01,
@@ -142,13 +151,27 @@ class TerrainMapper:
         throwaway.maps()
 
     def reset(self) -> None:
-        """Forget every stance; the version goes on counting."""
+        """Forget every stance; the version goes on counting, the prior map stays."""
         self._slip.reset()
         self._log_strength.reset()
         self._version += 1
         self._latest = math.nan
         self.accepted = 0
         self.rejected.clear()
+        self.slip_innovations.clear()
+        self.log_strength_innovations.clear()
+
+    def reset_to_prior(self, prior: PriorMap | None) -> None:
+        """Forget every stance and take another prior map."""
+        self._prior = prior
+        self._slip.reset(self._slip_prior())
+        self._log_strength.reset(self._log_strength_prior())
+        self.reset()
+
+    @property
+    def prior(self) -> PriorMap | None:
+        """The prior map; None for the constant means."""
+        return self._prior
 
     @property
     def latest(self) -> float:
@@ -160,13 +183,26 @@ class TerrainMapper:
         """Counts every change of the map."""
         return self._version
 
-    def _posterior(self, mean: float, deviation: float) -> GridPosterior:
+    def _posterior(self, grid: Grid, mean: PriorMean, deviation: float) -> GridPosterior:
         config = self.config
         kernel = kernel_named(config.kernel, config.lengthscale, deviation)
-        return GridPosterior(self.grid, kernel, mean, config.tolerance)
+        return GridPosterior(grid, kernel, mean, config.tolerance, config.grow)
+
+    def _slip_prior(self) -> PriorMean:
+        constant = self.config.slip_prior_mean
+        return constant if self._prior is None else self._prior.mean_of_slip(constant)
+
+    def _log_strength_prior(self) -> PriorMean:
+        constant = self.config.log_strength_prior_mean
+        return constant if self._prior is None else self._prior.mean_of_log_strength(constant)
+
+    def _covers(self, point: FloatArray) -> bool:
+        if self.config.grow:
+            return bool(np.abs(point - self._middle).max() <= self.config.largest_extent)
+        return bool(self.grid.contains(point))
 
     def _sample(self, contact: LegContact) -> TerrainSample | Rejection:
-        if not self.grid.contains(contact.point):
+        if not self._covers(contact.point):
             return Rejection(reason=Reason.OUTSIDE_MAP, value=float(np.abs(contact.point).max()))
         estimate = estimate_strength(contact, self.config)
         if isinstance(estimate, Rejection):

@@ -101,7 +101,7 @@ def estimate_strength(contact: LegContact, config: MappingConfiguration
     else:
         predictor, measured, deviation = _force_channels(contact, below)
         exponent, model = config.depth_exponent, config.model_deviation
-    predicted = float(np.sqrt(np.mean((predictor / deviation) ** 2)))
+    predicted = float(np.abs(predictor / deviation).max())
     if predicted < config.least_response:
         return Rejection(reason=Reason.NO_RESPONSE, value=predicted)
     beliefs = _Beliefs(exponent, model, config.height_bias_deviation)

@@ -92,7 +92,7 @@ class Tiling:
     @property
     def is_whole(self) -> bool:
         """True when one window without a margin serves the whole grid."""
-        return self.margin == 0.0
+        return self.margin == 0.0 and (self.tile_rows, self.tile_columns) == self.grid.shape
 
     def floor(self, tolerance: float) -> float:
         """Return the share of prior variance [-] below which a window leaves out a mode.
@@ -154,8 +154,13 @@ class Tiling:
                            self.grid.origin_y + rows[0] * self.grid.resolution - self.margin])
         return Tile(rows, columns, corner)
 
+    def holds_reach_of(self, point: FloatArray) -> bool:
+        """Tell whether all that a measurement at a point (2,) [m] reaches lies in the grid."""
+        corners = point + np.array([[-self.margin], [self.margin]])
+        return bool(self.grid.contains(corners).all())
+
     def grown_to_hold(self, point: FloatArray) -> tuple['Tiling', tuple[int, int]]:
-        """Return a tiling with more blocks of the same size, so that the grid holds a point.
+        """Return a tiling with more blocks, so that the grid holds the reach of a point.
 
         Returns
         -------
@@ -163,9 +168,10 @@ class Tiling:
         added : (rows, columns) int
             Blocks added before the first row (south) and before the first column (west).
         """
-        row, column = self.grid.index_of(point).tolist()
-        south, north = _missing(row, self.grid.rows, self.tile_rows)
-        west, east = _missing(column, self.grid.columns, self.tile_columns)
+        first = self.grid.index_of(point - self.margin).tolist()
+        last = self.grid.index_of(point + self.margin).tolist()
+        south, north = _missing(first[0], last[0], self.grid.rows, self.tile_rows)
+        west, east = _missing(first[1], last[1], self.grid.columns, self.tile_columns)
         grid = Grid(
             origin_x=self.grid.origin_x - west * self.tile_columns * self.grid.resolution,
             origin_y=self.grid.origin_y - south * self.tile_rows * self.grid.resolution,
@@ -191,6 +197,6 @@ class Tiling:
                 for index in range(first, final + 1)]
 
 
-def _missing(index: int, count: int, cells: int) -> tuple[int, int]:
+def _missing(first: int, last: int, count: int, cells: int) -> tuple[int, int]:
     """Return how many blocks of `cells` are missing before 0 and from `count` on."""
-    return max(0, math.ceil(-index / cells)), max(0, (index - count) // cells + 1)
+    return max(0, math.ceil(-first / cells)), max(0, (last - count) // cells + 1)

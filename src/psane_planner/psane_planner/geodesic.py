@@ -10,6 +10,7 @@ from psane_planner.compiled import compiled
 from psane_planner.discs import Integers, Mask
 
 _SEED_RADIUS = 6
+_NEAR_RADIUS = 2
 
 
 @compiled
@@ -43,15 +44,15 @@ def _seed(passable: Mask, row: float, column: float, field: FloatArray, fixed: M
 
 
 @compiled
-def _sweep(passable: Mask, fixed: Mask, field: FloatArray, down: bool, right: bool) -> bool:
-    """Relax every cell once in one of four orders; return whether any distance fell."""
-    rows, columns = passable.shape
+def _sweep(cost: FloatArray, fixed: Mask, field: FloatArray, down: bool, right: bool) -> bool:
+    """Relax every cell once in one of four orders; return whether any value fell."""
+    rows, columns = cost.shape
     changed = False
     for i in range(rows):
         r = i if down else rows - 1 - i
         for j in range(columns):
             c = j if right else columns - 1 - j
-            if fixed[r, c] or not passable[r, c]:
+            if fixed[r, c] or cost[r, c] == np.inf:
                 continue
             a = min(field[r - 1, c] if r > 0 else np.inf,
                     field[r + 1, c] if r + 1 < rows else np.inf)
@@ -60,13 +61,26 @@ def _sweep(passable: Mask, fixed: Mask, field: FloatArray, down: bool, right: bo
             low, high = min(a, b), max(a, b)
             if low == np.inf:
                 continue
-            value = low + 1.0
+            step = cost[r, c]
+            value = low + step
             if high < value:
-                value = 0.5 * (low + high + math.sqrt(2.0 - (high - low) ** 2))
+                value = 0.5 * (low + high + math.sqrt(2.0 * step**2 - (high - low) ** 2))
             if value < field[r, c] - 1e-9:
                 field[r, c] = value
                 changed = True
     return changed
+
+
+@compiled
+def _relax(cost: FloatArray, fixed: Mask, field: FloatArray) -> None:
+    """Sweep until nothing falls any more."""
+    changed = True
+    while changed:
+        first = _sweep(cost, fixed, field, True, True)
+        second = _sweep(cost, fixed, field, True, False)
+        third = _sweep(cost, fixed, field, False, True)
+        fourth = _sweep(cost, fixed, field, False, False)
+        changed = first or second or third or fourth
 
 
 @compiled
@@ -84,13 +98,7 @@ def _solve(passable: Mask, row: float, column: float, radius: int) -> FloatArray
             return field
         _seed(passable, float(at_row), float(at_column), field, fixed, radius)
         field += nearest
-    changed = True
-    while changed:
-        first = _sweep(passable, fixed, field, True, True)
-        second = _sweep(passable, fixed, field, True, False)
-        third = _sweep(passable, fixed, field, False, True)
-        fourth = _sweep(passable, fixed, field, False, False)
-        changed = first or second or third or fourth
+    _relax(np.where(passable, 1.0, np.inf), fixed, field)
     return field
 
 
@@ -116,6 +124,33 @@ def distance_along(passable: Mask, grid: Grid, source: FloatArray) -> FloatArray
     row = (source[1] - grid.origin_y) / grid.resolution - 0.5
     column = (source[0] - grid.origin_x) / grid.resolution - 0.5
     return _solve(passable, float(row), float(column), _SEED_RADIUS) * grid.resolution
+
+
+def travel_time(slowness: FloatArray, grid: Grid, source: FloatArray) -> FloatArray:
+    """Return the least time from a point to every cell over ground that slows the robot.
+
+    Parameters
+    ----------
+    slowness : (rows, columns) float [s/m]
+        Time for a metre, infinite where there is no way.
+    source : (2,) float, map frame [m]
+        Lies in the grid.
+
+    Returns
+    -------
+    (rows, columns) float [s], infinite where no way leads.
+    """
+    row, column = grid.index_of(source)
+    cost = slowness * grid.resolution
+    field = np.full(grid.shape, np.inf)
+    fixed = np.zeros(grid.shape, np.bool_)
+    if np.isfinite(cost[row, column]):
+        # The ground around the source is as slow as the source's own cell.
+        at = (source - (grid.origin_x, grid.origin_y)) / grid.resolution - 0.5
+        _seed(np.isfinite(cost), float(at[1]), float(at[0]), field, fixed, _NEAR_RADIUS)
+        field *= cost[row, column]
+        _relax(cost, fixed, field)
+    return field
 
 
 @compiled

@@ -31,11 +31,18 @@ class BackOut:
         self._trail: deque[FloatArray] = deque(maxlen=_TRAIL)
         self._from: FloatArray | None = None
         self._is_spent = False
+        self._is_demanded = False
 
     def reset(self) -> None:
         """Forget trail and state, after a jump of the pose."""
         self._trail.clear()
         self._from = None
+        self._is_spent = False
+        self._is_demanded = False
+
+    def demand(self) -> None:
+        """Ask for room before the next turn, however small: the robot was just outside."""
+        self._is_demanded = True
         self._is_spent = False
 
     def remember(self, pose: Pose) -> None:
@@ -54,10 +61,11 @@ class BackOut:
             Heading change that is about to be made in place [rad].
         """
         settings = self._configuration
-        if abs(turn) < 0.5 * settings.back_out_above:
+        least = settings.turn_until if self._is_demanded else settings.back_out_above
+        if abs(turn) < 0.5 * least:
             self._from, self._is_spent = None, False
             return None
-        if self._is_spent or (self._from is None and abs(turn) < settings.back_out_above):
+        if self._is_spent or (self._from is None and abs(turn) < least):
             return None
         if border.outside_distance(pose.ahead(settings.nose)) <= settings.nose_allowance:
             return self._finish()
@@ -73,7 +81,7 @@ class BackOut:
 
     def _finish(self) -> Velocity | None:
         """End the backing out until the turn is done."""
-        self._from, self._is_spent = None, True
+        self._from, self._is_spent, self._is_demanded = None, True, False
         return None
 
     def _backwards(self, pose: Pose) -> Velocity:

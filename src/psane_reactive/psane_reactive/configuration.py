@@ -59,6 +59,12 @@ class ReactiveConfiguration(Configuration):
         0.05, 'distance kept from the edge of the region where there is room', unit='m', low=0.0,
         high=0.5)
 
+    direction_time: float = parameter(
+        0.1, 'time in which the direction of travel follows its target', unit='s', low=0.001,
+        high=5.0)
+    direction_rate: float = parameter(
+        3.0, 'largest turn of the direction of travel per second', unit='rad/s', low=0.1,
+        high=100.0)
     heading_gain: float = parameter(1.5, 'yaw rate per heading error', unit='1/s', low=0.1,
                                     high=10.0)
     approach_gain: float = parameter(0.8, 'speed per distance left', unit='1/s', low=0.1,
@@ -66,13 +72,22 @@ class ReactiveConfiguration(Configuration):
     slowest: float = parameter(0.05, 'speed that the profiles do not go below', unit='m/s',
                                low=0.005, high=0.5)
     turn_first_above: float = parameter(
-        0.7, 'heading error above which the robot turns before it drives', unit='rad', low=0.1,
+        1.3, 'heading error above which the robot turns before it drives', unit='rad', low=0.1,
         high=3.0)
     turn_until: float = parameter(
-        0.25, 'heading error at which a turn in place ends', unit='rad', low=0.02, high=2.0)
+        0.4, 'heading error at which a turn in place ends', unit='rad', low=0.02, high=2.0)
+    arc_radius: float = parameter(
+        0.8, 'tightest arc that the gait walks; what is tighter is turned in place', unit='m',
+        low=0.0, high=10.0)
+    arc_room: float = parameter(
+        0.3, 'share of the way of an arc that must be free ahead for it to be driven', low=0.0,
+        high=5.0)
+    edge_time: float = parameter(
+        0.8, 'time in which the robot would reach the edge ahead, at least', unit='s', low=0.1,
+        high=10.0)
     reverse_reach: float = parameter(
-        0.6, 'way left below which a target behind is driven at backwards; 0 never', unit='m',
-        low=0.0, high=5.0)
+        0.6, 'way left to the goal below which one behind is driven at backwards; 0 never',
+        unit='m', low=0.0, high=5.0)
     reverse_above: float = parameter(
         2.0, 'heading error from which a target counts as behind', unit='rad', low=1.6, high=3.1)
     arrival_tolerance: float = parameter(

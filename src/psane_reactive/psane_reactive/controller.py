@@ -12,7 +12,7 @@ from psane_reactive.back_out import BackOut
 from psane_reactive.clearance import Border
 from psane_reactive.command import Command, Mode
 from psane_reactive.configuration import ReactiveConfiguration
-from psane_reactive.guide import Counts, Guide
+from psane_reactive.guide import Aim, Counts, Guide
 from psane_reactive.inputs import Inputs
 from psane_reactive.law import UnicycleLaw
 from psane_reactive.limits import STANDSTILL, Velocity, limited, rate_limited
@@ -20,6 +20,7 @@ from psane_reactive.march import March
 from psane_reactive.progress import Progress
 from psane_reactive.retreat import Retreat
 from psane_reactive.safety_stop import SafetyStop
+from psane_reactive.steady_direction import SteadyDirection
 
 # A pose that moves faster than this was set anew by a localiser, or is wrong [m/s].
 _JUMP_SPEED = 5.0
@@ -48,6 +49,7 @@ class ReactiveController:
         self._last = STANDSTILL
         self._last_time: float | None = None
         self._odometry_time: float | None = None
+        self.aim: Aim | None = None
 
     def reconfigure(self, configuration: ReactiveConfiguration) -> None:
         """Steer by other parameters from now on; what was heard last is kept."""
@@ -55,6 +57,7 @@ class ReactiveController:
         self.inputs.configuration = configuration
         self._safety = SafetyStop(configuration)
         self._law = UnicycleLaw(configuration)
+        self._direction = SteadyDirection(configuration)
         self._march = March(configuration, self._safety)
         self._retreat = Retreat(configuration)
         self._back_out = BackOut(configuration, self._safety)
@@ -104,6 +107,7 @@ class ReactiveController:
         if moved > 0.1 + _JUMP_SPEED * step:
             self._back_out.reset()
             self._law.reset()
+            self._direction.reset()
             self._march.reset()
         self._odometry_time = now
         self._back_out.remember(after)
@@ -126,10 +130,13 @@ class ReactiveController:
             return self._without_region(now)
         pose, border = self.inputs.pose, self._guide.border
         outside = border.outside_distance(pose)
+        was_outside = self._retreat.is_active
         if self._retreat.is_needed(outside):
             wanted = self._retreat.velocity(border, pose)
             reason = f'led back, {max(outside, 0.0):.2f} m outside the region'
             return self._judged(border, wanted, Mode.RETREAT, reason, now)
+        if was_outside:
+            self._back_out.demand()
         if self.inputs.march_wanted:
             return self._shuffle(border, 'the planner asks to feel the ground here', now)
         if self.inputs.subgoal is None:
@@ -161,8 +168,11 @@ class ReactiveController:
         aim = guide.aim(pose.position, goal, self._progress.watch(pose, now))
         if aim is None:
             return _stopped('no way leads through the region to the subgoal')
-        wanted = self._law.velocity(pose, aim.target, aim.left, guide.border)
-        turn = 0.0 if self._law.is_reversing else pose.heading_error(aim.target)
+        self.aim = aim
+        target = self._direction.toward(pose, aim.target, now)
+        wanted = self._law.velocity(pose, target, aim.left, guide.border,
+                                    may_reverse=self.inputs.subgoal_is_goal)
+        turn = 0.0 if self._law.is_reversing else pose.heading_error(target)
         if self._law.is_turning or turn == 0.0:
             back = self._back_out.velocity(guide.border, pose, self.inputs.velocity, turn)
             if back is not None:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What can go wrong in the steering package; every error names what was got and what to do."""
 
+from pathlib import Path
+
 
 class ReactiveError(Exception):
     """Root of the steering package's errors."""
@@ -22,3 +24,12 @@ class MeshError(ReactiveError, RuntimeError):
 
 class MapError(ReactiveError, RuntimeError):
     """A map of a region onto its model space cannot be built or is not one to one."""
+
+
+class RecordingError(ReactiveError, ValueError):
+    """A file of recorded regions cannot be read."""
+
+    def __init__(self, path: Path, cause: str) -> None:
+        super().__init__(f'{path} holds no recorded regions: {cause}; '
+                         'make it anew with psane_sim.record_regions')
+        self.path = path

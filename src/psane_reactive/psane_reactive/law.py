@@ -47,7 +47,8 @@ class UnicycleLaw:
         self.is_turning = False
         self.is_reversing = False
 
-    def velocity(self, pose: Pose, target: FloatArray, left: float, border: Border) -> Velocity:
+    def velocity(self, pose: Pose, target: FloatArray, left: float, border: Border,
+                 may_reverse: bool) -> Velocity:
         """Return the velocity towards a target.
 
         Parameters
@@ -56,22 +57,36 @@ class UnicycleLaw:
             Point that can be driven at straight.
         left : float
             Way left to the subgoal, at least [m].
+        may_reverse : bool
+            Whether a near target behind may be driven at backwards, which is blind: the front
+            feet feel what is ahead.
         """
         settings = self._configuration
         error = pose.heading_error(target)
-        self._choose_direction(error, left)
+        self._choose_direction(error, left if may_reverse else math.inf)
         if self.is_reversing:
             error = wrap(error + math.pi)
-        if abs(error) > settings.turn_first_above:
-            self.is_turning = True
-        elif abs(error) < settings.turn_until:
-            self.is_turning = False
+        heading = pose.yaw + (math.pi if self.is_reversing else 0.0)
+        free = border.ray(pose, heading, settings.linear_limit * settings.edge_time + 1.0)
+        self._choose_turn(error, free)
         angular = clip(settings.heading_gain * error, settings.angular_limit)
         if self.is_turning:
             return Velocity(0.0, angular)
-        heading = pose.yaw + (math.pi if self.is_reversing else 0.0)
-        speed = self._speed(pose, heading, error, left, border)
+        speed = self._speed(error, left, free)
+        if not self.is_reversing and settings.arc_radius > 0.0:
+            angular = clip(angular, speed / settings.arc_radius)
         return Velocity(-speed if self.is_reversing else speed, angular)
+
+    def _choose_turn(self, error: float, free: float) -> None:
+        """Turn in place to what is far aside, or where an arc has no room ahead."""
+        settings = self._configuration
+        size = abs(error)
+        if size < settings.turn_until:
+            self.is_turning = False
+        elif size > settings.turn_first_above:
+            self.is_turning = True
+        elif not self.is_reversing and settings.arc_room * settings.arc_radius * size > free:
+            self.is_turning = True
 
     def _choose_direction(self, error: float, left: float) -> None:
         """Reverse towards a near target behind, until it is clearly ahead."""
@@ -83,13 +98,10 @@ class UnicycleLaw:
         elif abs(error) < math.pi - settings.reverse_above:
             self.is_reversing = False
 
-    def _speed(self, pose: Pose, heading: float, error: float, left: float,
-               border: Border) -> float:
+    def _speed(self, error: float, left: float, free: float) -> float:
         """Return the speed: less when looking aside, near the subgoal and towards an edge."""
         settings = self._configuration
-        time_to_edge = 2.0 * (settings.stop_delay + settings.stop_horizon)
-        free = border.ray(pose, heading, settings.linear_limit * time_to_edge)
         aside = max(0.0, 1.0 - (error / settings.turn_first_above) ** 2)
         speed = min(settings.linear_limit * aside, settings.approach_gain * left,
-                    free / time_to_edge)
+                    free / settings.edge_time)
         return max(speed, settings.slowest)

@@ -14,9 +14,7 @@ from psane_sim.errors import SimulationError
 from psane_sim.quiet_pybullet import pybullet
 from psane_sim.robot_body import load_robot
 from psane_sim.soil import BODY, GroundLoad, RobotState
-
-GRAVITY = 9.81
-"""Acceleration of free fall [m/s^2]."""
+from psane_sim.truth import GRAVITY
 
 _LEGS = list(range(6))
 

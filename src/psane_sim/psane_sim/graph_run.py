@@ -196,7 +196,7 @@ class GraphRun:
         since, deadline = observer.time, time.monotonic() + 5.0
         while time.monotonic() < deadline:
             rclpy.spin_once(observer, timeout_sec=0.05)
-            if observer.time - since > 0.5 and observer.speed < STANDING:
+            if observer.time - since > 1.0 and observer.speed < STANDING:
                 return
 
     def _score_truth(self) -> None:

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Contact sensing: from joints, hip wrenches, attitude and odometry to one record per stance.
 
-Nothing here knows the ground. At lift-off the motion of the leg, as measured, is played through a
-model of ground of strength 1; beside what was measured that gives the regression its two columns.
+Nothing here knows the ground. Some time after lift-off the motion of the leg, as measured, is
+played through a model of ground of strength 1; beside what was measured that gives the regression
+its two columns.
 """
 
 import math
-from collections import Counter, deque
+from collections import Counter
 from dataclasses import dataclass
 from enum import Enum
 
@@ -15,16 +16,15 @@ import numpy as np
 from psane_mapping.contact import LegContact
 from psane_mapping.grid import FloatArray
 from psane_mapping.leg import RobotModel
-from psane_mapping.leg_response import LegMotion, LegResponse, leg_response
-from psane_sim.motion_estimate import BodyMotion, MotionEstimate
+from psane_mapping.leg_response import LegMotion, leg_response
+from psane_sim.height_bias import HeightBias
+from psane_sim.motion_estimate import BodyMotion, Instant, MotionRecord
 from psane_sim.sensing import ImuSample, JointSample, OdometrySample, WrenchSample
+from psane_sim.stance_record import BoolArray, StanceReader
 from psane_sim.touch_configuration import TouchConfiguration
 
-VERTICAL, MOMENT = 1, 2
-"""Columns of the channels."""
-
-LEAD_IN = 4
-"""Samples before touch-down that fill the modelled ground's memory."""
+LEAD_IN = 0.1
+"""Time before touch-down that is read too: it fills the modelled ground's memory [s]."""
 
 
 class Dropped(Enum):
@@ -35,24 +35,12 @@ class Dropped(Enum):
     NO_ODOMETRY = 'no recent odometry, so that nobody knows where it was felt'
 
 
-@dataclass(frozen=True)
-class _Sample:
-    """One instant of all legs: motion of the body, joints, and what was felt (6, 3) [N]."""
-
-    body: BodyMotion
-    angle: FloatArray
-    speed: FloatArray
-    measured: FloatArray
-
-
 @dataclass
 class _Stance:
-    """A stance that goes on: its samples, the first of them from before touch-down."""
+    """A stance that goes on: when it began, and when the leg was last under load [s]."""
 
-    samples: list[_Sample]
-    lead_in: int
-    quiet: int = 0
-    is_standing: bool = False
+    touch_down: float
+    loaded: float
 
 
 class ContactSensor:
@@ -68,14 +56,18 @@ class ContactSensor:
     def __init__(self, configuration: TouchConfiguration, robot: RobotModel) -> None:
         self._configuration = configuration
         self._robot = robot
-        self._motion = MotionEstimate(configuration.odometry_timeout)
-        self._recent: deque[_Sample] = deque(maxlen=LEAD_IN)
+        self._reader = StanceReader(robot)
+        self._motion = MotionRecord(configuration.longest_stance + 0.5)
+        self._height_bias = HeightBias(
+            configuration.height_deviation, configuration.tilt_deviation,
+            configuration.stance_height_deviation, configuration.height_drift)
         self._stances: dict[int, _Stance] = {}
         self.dropped: Counter[Dropped] = Counter()
 
     def reconfigure(self, configuration: TouchConfiguration) -> None:
         """Go on with other parameters; stances under way are judged by the new ones."""
         self._configuration = configuration
+        self._motion.span = configuration.longest_stance + 0.5
 
     def warm_up(self) -> None:
         """Run the compiled function once, so that no stance waits for the compiler."""
@@ -102,111 +94,73 @@ class ContactSensor:
         imu : ImuSample
             Attitude, angular velocity and specific force.
         """
-        body = self._motion.at(imu)
-        if body is None:
+        instant = Instant(joints, wrenches, imu)
+        if self._motion.odometry_age(instant.time) > self._configuration.odometry_timeout:
             self.dropped[Dropped.NO_ODOMETRY] += len(self._stances)
             self._forget()
             return []
-        if self._recent:
-            step = body.time - self._recent[-1].body.time
-            if step <= 0.0:
+        newest = self._motion.newest
+        if newest is not None:
+            if instant.time <= newest:
                 return []
-            if step > self._configuration.longest_gap:
+            if instant.time - newest > self._configuration.longest_gap:
                 self._forget()
-        sample = _Sample(body, joints.position, joints.velocity,
-                         self._measured(joints, wrenches, imu, body.rotation))
-        contacts = [self._follow(leg, sample) for leg in range(len(joints.position))]
-        self._recent.append(sample)
+        self._motion.add(instant)
+        load = self._reader.vertical_load(instant)
+        contacts = [self._follow(leg, instant.time, float(load[leg])) for leg in range(len(load))]
         return [contact for contact in contacts if contact is not None]
 
     def _forget(self) -> None:
         self._stances.clear()
-        self._recent.clear()
+        self._motion.forget()
 
-    def _measured(self, joints: JointSample, wrenches: WrenchSample, imu: ImuSample,
-                  rotation: FloatArray) -> FloatArray:
-        """Return what the ground does to each leg, (6, 3): forward, up, moment / arm [N].
-
-        The leg's own weight and inertia, as seen by the accelerometer, are taken off.
-        """
-        on_leg = wrenches.force + self._robot.leg_mass * imu.specific_force
-        force = on_leg @ rotation.T
-        heading = math.atan2(rotation[1, 0], rotation[0, 0])
-        forward = math.cos(heading) * force[:, 0] + math.sin(heading) * force[:, 1]
-        moment = -joints.effort / self._configuration.moment_arm
-        return np.column_stack((forward, force[:, 2], moment))
-
-    def _follow(self, leg: int, sample: _Sample) -> LegContact | None:
+    def _follow(self, leg: int, now: float, load: float) -> LegContact | None:
         """Begin, continue or end the stance of one leg; return it when it ended and is of use."""
         configuration = self._configuration
-        load = float(sample.measured[leg, VERTICAL])
         stance = self._stances.get(leg)
         if stance is None:
             if load > configuration.touch_down_force:
-                lead_in = list(self._recent)
-                self._stances[leg] = _Stance([*lead_in, sample], len(lead_in))
-            return None
-        stance.quiet = 0 if load > configuration.lift_off_force else stance.quiet + 1
-        if stance.quiet >= configuration.lift_off_samples:
+                self._stances[leg] = _Stance(now, now)
+        elif load > configuration.lift_off_force:
+            stance.loaded = now
+        elif now - stance.loaded >= configuration.lift_off_time:
             del self._stances[leg]
             return self._finish(leg, stance)
-        if sample.body.time - stance.samples[0].body.time > configuration.longest_stance:
-            stance.is_standing = True
-            stance.samples = stance.samples[:1]
-        stance.samples.append(sample)
         return None
 
     def _finish(self, leg: int, stance: _Stance) -> LegContact | None:
         configuration = self._configuration
-        samples = stance.samples
-        if stance.is_standing:
+        if stance.loaded - stance.touch_down > configuration.longest_stance:
             self.dropped[Dropped.STANDING] += 1
             return None
-        if len(samples) - stance.lead_in < configuration.fewest_samples:
+        instants = self._motion.since(stance.touch_down - LEAD_IN)
+        time = np.array([instant.time for instant in instants])
+        felt = (time >= stance.touch_down) & (time <= stance.loaded)
+        if felt.sum() < configuration.fewest_samples:
             self.dropped[Dropped.TOO_SHORT] += 1
             return None
-        motion = _motion_of(leg, samples)
-        response = leg_response(self._robot, leg, motion,
-                                displacement=configuration.yield_displacement,
-                                damping=configuration.yield_damping)
-        felt = slice(stance.lead_in, None)
-        measured = np.array([sample.measured[leg] for sample in samples])[felt]
-        places = np.array([sample.body.position for sample in samples]) + response.place
-        point, spread = _weighted_point(places[felt, :2], measured[:, VERTICAL])
+        body = self._motion.body(instants)
+        offset = self._height_offset(leg, instants, body, felt)
+        reading = self._reader.read(leg, instants, body, configuration, offset)
+        point, spread = _weighted_point(reading.place[felt, :2], reading.measured[felt, 1])
         return LegContact(
-            leg=leg, touch_down=float(motion.time[stance.lead_in]),
-            lift_off=float(motion.time[-1]), point=point,
+            leg=leg, touch_down=stance.touch_down, lift_off=stance.loaded, point=point,
             point_deviation=math.hypot(configuration.position_deviation, spread),
-            depth=response.depth[felt], measured=measured,
-            response=self._channels(response)[felt], deviation=self._deviation(measured),
-            has_velocity=all(sample.body.has_velocity for sample in samples))
+            depth=reading.depth[felt], measured=reading.measured[felt],
+            response=reading.response[felt], deviation=reading.deviation[felt],
+            has_velocity=reading.has_velocity)
 
-    def _channels(self, response: LegResponse) -> FloatArray:
-        """Return the modelled response in the channels of the measurement, (n, 3) [N]."""
-        return np.column_stack((response.force[:, 0], response.force[:, 2],
-                                response.moment / self._configuration.moment_arm))
-
-    def _deviation(self, measured: FloatArray) -> FloatArray:
-        """Return the noise of each measurement, (n, 3) [N]."""
-        configuration = self._configuration
-        size = np.abs(measured)
-        deviation = configuration.force_deviation + configuration.force_deviation_share * size
-        deviation[:, MOMENT] = (configuration.torque_deviation / configuration.moment_arm
-                                + configuration.torque_deviation_share * size[:, MOMENT])
-        return np.asarray(deviation)
-
-
-def _motion_of(leg: int, samples: list[_Sample]) -> LegMotion:
-    """Return the motion of one leg over a stance."""
-    bodies = [sample.body for sample in samples]
-    return LegMotion(
-        time=np.array([body.time for body in bodies]),
-        angle=np.array([sample.angle[leg] for sample in samples]),
-        speed=np.array([sample.speed[leg] for sample in samples]),
-        height=np.array([body.position[2] for body in bodies]),
-        rotation=np.array([body.rotation for body in bodies]),
-        velocity=np.array([body.velocity for body in bodies]),
-        angular_velocity=np.array([body.angular_velocity for body in bodies]))
+    def _height_offset(self, leg: int, instants: list[Instant], body: BodyMotion,
+                       felt: BoolArray) -> float:
+        """Learn from a stance how far off the height is, and return it for its leg [m]."""
+        configuration, hip = self._configuration, self._robot.hips[leg]
+        if not configuration.learn_height:
+            return 0.0
+        if body.has_velocity:
+            found = self._reader.height_offset(leg, instants, body, felt, configuration)
+            if found is not None:
+                self._height_bias.learn(found, hip, float(body.time[-1]))
+        return self._height_bias.at(hip)
 
 
 def _weighted_point(points: FloatArray, load: FloatArray) -> tuple[FloatArray, float]:

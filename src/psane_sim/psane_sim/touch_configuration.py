@@ -15,8 +15,9 @@ class TouchConfiguration(Configuration):
         6.0, 'upward force above which a leg has touched down', unit='N', low=0.0, high=500.0)
     lift_off_force: float = parameter(
         4.0, 'upward force below which a leg has lifted off', unit='N', low=0.0, high=500.0)
-    lift_off_samples: int = parameter(
-        3, 'samples in a row without load that end a stance', low=1, high=100)
+    lift_off_time: float = parameter(
+        0.05, 'time without load that ends a stance (a leg rebounds for 20 ms when it brakes)',
+        unit='s', low=0.0, high=1.0)
     fewest_samples: int = parameter(
         12, 'shortest stance that is handed on', low=3, high=1000)
     longest_stance: float = parameter(
@@ -37,8 +38,24 @@ class TouchConfiguration(Configuration):
         0.1, 'noise of a motor torque', unit='N m', low=0.0, high=100.0)
     torque_deviation_share: float = parameter(
         0.05, 'noise of a motor torque as a share of it', low=0.0, high=1.0)
+    velocity_deviation: float = parameter(
+        0.008, 'deviation of the velocity of a leg, smoothed over a stance: forces felt while a '
+        'leg moves more slowly count less', unit='m/s', low=0.0, high=1.0)
     position_deviation: float = parameter(
         0.01, 'deviation of where odometry says that the body is', unit='m', low=0.0, high=10.0)
+    learn_height: bool = parameter(
+        True, 'learn from the stances how far off the height and the tilt of odometry are')
+    height_deviation: float = parameter(
+        0.005, "deviation of the odometry's height before anything was learnt", unit='m',
+        low=0.0001, high=0.5, read_only=True)
+    tilt_deviation: float = parameter(
+        0.005, 'the same of pitch and roll', unit='rad', low=0.0001, high=0.5, read_only=True)
+    stance_height_deviation: float = parameter(
+        0.003, "deviation of one stance's height around what all have in common", unit='m',
+        low=0.0001, high=0.1, read_only=True)
+    height_drift: float = parameter(
+        0.0003, "drift of the odometry's height over one second", unit='m', low=0.0, high=0.1,
+        read_only=True)
     yield_displacement: float = parameter(
         0.0015, 'displacement at which the modelled ground yields fully', unit='m', low=0.0001,
         high=0.05, read_only=True)

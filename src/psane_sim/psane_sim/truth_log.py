@@ -66,6 +66,7 @@ class TruthLog:
         self._file: TextIO = path.open('w', newline='')
         self._writer = csv.writer(self._file)
         self._writer.writerow(COLUMNS)
+        self._file.flush()
 
     def write(self, entry: TruthEntry) -> None:
         """Add one entry."""
@@ -81,6 +82,8 @@ class TruthLog:
 def read_truth(path: Path) -> list[TruthEntry]:
     """Return the entries of a truth log; a last line that was cut off is left out.
 
+    A file that is still empty has no entries.
+
     Raises
     ------
     TruthLogError
@@ -88,7 +91,9 @@ def read_truth(path: Path) -> list[TruthEntry]:
     """
     with path.open(newline='') as file:
         rows = list(csv.reader(file))
-    if not rows or rows[0] != COLUMNS:
+    if not rows:
+        return []
+    if rows[0] != COLUMNS:
         raise TruthLogError(f'{path} is not a truth log: expected a first line that begins with '
                             f'{COLUMNS[:3]}')
     entries = []
