@@ -15,6 +15,7 @@ ROS_FILES = (
     '*/*_node.py', '*/ros_*.py', '*/conversions.py', '*/markers.py', '*/trail.py',
     'psane_mapping/quality_of_service.py', 'psane_mapping/running.py',
     'psane_sim/graph_run.py', 'psane_sim/observer.py', 'psane_sim/processes.py',
+    'psane_sim/transforms.py',
 )
 
 # What a user starts: core itself, but it hands over to files that know ROS.

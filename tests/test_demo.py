@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
+
 from psane_sim.demo import BAD_ARGUMENT, NO_SUCCESS, NODE_DIED, main
 from psane_sim.truth_log import read_truth
 

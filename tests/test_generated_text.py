@@ -5,8 +5,9 @@ from dataclasses import fields
 
 import pytest
 import yaml
-from psane_sim.generated_text import PARAMETERS, stale
 from source_tree import ROOT
+
+from psane_sim.generated_text import PARAMETERS, stale
 
 YAML_FILES = sorted(ROOT.glob('src/*/config/*.yaml'))
 

@@ -10,6 +10,10 @@ from builtin_interfaces.msg import Time
 from felt_stances import stance
 from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import OccupancyGrid, Odometry
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Imu, JointState
+from shapely.geometry import Point, Polygon
+
 from psane_mapping import conversions
 from psane_mapping.configuration import MappingConfiguration
 from psane_mapping.grid import Grid
@@ -35,9 +39,6 @@ from psane_sim.sensing import OdometrySample, Sensors
 from psane_sim.terrain import Terrain
 from psane_sim.touch import ContactSensor
 from psane_sim.touch_configuration import TouchConfiguration
-from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import Imu, JointState
-from shapely.geometry import Point, Polygon
 
 GRID = Grid.over_workspace(0.0, 0.0, 10.0, 10.0, 0.1)
 
@@ -405,3 +406,13 @@ def test_a_zero_stamp_is_old_odometry(controller, probe):
         probe.publish('odom', message)
         probe.spin(0.05)
     assert all(heard == Twist() for heard in probe.heard['cmd_vel'])
+
+
+def test_transforms_lead_from_the_map_to_the_body():
+    from psane_sim.transforms import transforms_of
+    fixed, moving = transforms_of(odometry(2.0, 3.0, 0.5), 'map')
+    assert (fixed.header.frame_id, fixed.child_frame_id) == ('map', 'odom')
+    assert (moving.header.frame_id, moving.child_frame_id) == ('odom', 'base_link')
+    assert fixed.transform.rotation.w == 1.0
+    assert moving.transform.translation.x == 2.0
+    assert conversions.yaw_of(moving.transform.rotation) == pytest.approx(0.5)

@@ -43,6 +43,9 @@ class PlannerConfiguration(Configuration):
     geodesic_goal_decay: float = parameter(
         0.5, 'k_g: decay of the goal value with distance along the ground (psane_geodesic)',
         unit='1/m', low=0.001, high=10.0)
+    turning_length: float = parameter(
+        0.3, 'way that counts as much as turning by one radian (psane_geodesic)', unit='m/rad',
+        low=0.0, high=5.0)
     goal_tolerance: float = parameter(
         0.3, 'distance to the goal at which it counts as reached', unit='m', low=0.05, high=5.0)
     clearance: float = parameter(

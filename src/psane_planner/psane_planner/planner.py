@@ -108,10 +108,11 @@ class SafePlanner:
             When an argument has the wrong shape or holds a number that means nothing.
         """
         goal = None if goal is None else _vector('goal', goal, 2)
-        position = None if pose is None else _vector('pose', pose, 3)[:2]
+        pose = None if pose is None else _vector('pose', pose, 3)
+        position = None if pose is None else pose[:2]
         if not math.isfinite(now):
             raise PoseError('now', now, 'a finite time [s]')
-        if slip_mean is None or slip_std is None or position is None:
+        if slip_mean is None or slip_std is None or pose is None or position is None:
             return self._pack(verdicts.WAITING, None, self._empty_scene(goal, now), position)
         admissible = self._admissible(keep_out)
         bounds = self._intervals.update(np.asarray(slip_mean, dtype=np.float64),
@@ -120,7 +121,7 @@ class SafePlanner:
         component = component_around(certified, self.grid, position)
         self._note_lost(component)
         region = self._region(certified, component, position)
-        scene = Scene(now=now, position=position, goal=goal, bounds=bounds,
+        scene = Scene(now=now, position=position, heading=float(pose[2]), goal=goal, bounds=bounds,
                       admissible=admissible, certified=certified, component=component.mask,
                       outside_distance=component.outside_distance, is_lost=self._is_lost,
                       region=region)
@@ -159,7 +160,7 @@ class SafePlanner:
         nothing = np.zeros(self.grid.shape, dtype=np.bool_)
         high = np.full(self.grid.shape, np.inf)
         unknown = Bounds(-high, high, high, 0)
-        return Scene(now=now, position=np.full(2, np.nan), goal=goal, bounds=unknown,
+        return Scene(now=now, position=np.full(2, np.nan), heading=math.nan, goal=goal, bounds=unknown,
                      admissible=nothing, certified=nothing, component=nothing,
                      outside_distance=math.inf, is_lost=False, region=None)
 

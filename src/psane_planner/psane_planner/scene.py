@@ -17,6 +17,8 @@ class Scene:
     ----------
     now : float [s]
     position : (2,) float, map frame [m]
+    heading : float [rad]
+        Yaw of the robot in the map.
     goal : (2,) float, map frame [m], or None
     bounds : Bounds
         Ends of C_t.
@@ -32,6 +34,7 @@ class Scene:
 
     now: float
     position: FloatArray
+    heading: float
     goal: FloatArray | None
     bounds: Bounds
     admissible: Mask

@@ -64,11 +64,15 @@ class FrontierSurveyor:
 
     def _way_to_robot(self, scene: Scene, region: Region, cells: Integers,
                       points: FloatArray) -> FloatArray:
-        """Return the way from the robot to frontier cells (n, 2), shape (n,) [m]."""
+        """Return the way from the robot to frontier cells (n, 2), turning included, (n,) [m]."""
         if not self._traits.is_geodesic:
             return _straight(points, scene.position)
         field = distance_along(region.cells, self._grid, scene.position)
-        return distance_within_reach(field, cells, self._grid, self._configuration.sensing_reach)
+        way = distance_within_reach(field, cells, self._grid, self._configuration.sensing_reach)
+        aside = points - scene.position
+        turn = np.arctan2(aside[:, 1], aside[:, 0]) - scene.heading
+        turn = np.abs((turn + np.pi) % (2.0 * np.pi) - np.pi)
+        return np.asarray(way + self._configuration.turning_length * turn)
 
     def _with_goal(self, scene: Scene, possible: Mask, cells: Integers, points: FloatArray,
                    to_robot: FloatArray, eligible: Mask) -> tuple[FloatArray, bool]:

@@ -83,9 +83,7 @@ class UnicycleLaw:
         size = abs(error)
         if size < settings.turn_until:
             self.is_turning = False
-        elif size > settings.turn_first_above:
-            self.is_turning = True
-        elif not self.is_reversing and settings.arc_room * settings.arc_radius * size > free:
+        elif size > settings.turn_first_above or not self.is_reversing and settings.arc_room * settings.arc_radius * size > free:
             self.is_turning = True
 
     def _choose_direction(self, error: float, left: float) -> None:

@@ -19,7 +19,6 @@ from psane_planner.configuration import PlannerConfiguration
 from psane_planner.node_configuration import PlannerNodeConfiguration
 from psane_reactive.configuration import ReactiveConfiguration
 from psane_reactive.node_configuration import ReactiveNodeConfiguration
-
 from psane_sim.configuration import SimulatorConfiguration
 from psane_sim.node_configuration import (
     ContactSensorNodeConfiguration,

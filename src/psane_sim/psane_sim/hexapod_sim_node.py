@@ -27,6 +27,7 @@ from psane_sim.hexapod import HexapodSimulator
 from psane_sim.node_configuration import SimulatorNodeConfiguration
 from psane_sim.pacing import Pacer
 from psane_sim.sensing import Sensors
+from psane_sim.transforms import TransformPublisher
 from psane_sim.truth import Truth
 from psane_sim.truth_log import TruthEntry, TruthLog
 from psane_sim.watchdog import CommandWatchdog
@@ -76,6 +77,7 @@ class HexapodSimNode(Node):
         self._joints = self.create_publisher(JointState, 'joint_states', SENSORS)
         self._wrenches = self.create_publisher(HipWrenches, 'hip_wrenches', SENSORS)
         self._imu = self.create_publisher(Imu, 'imu', SENSORS)
+        self._transforms = TransformPublisher(self, self._settings.map_frame)
 
     def _reconfigure(self, settings: SimulatorNodeConfiguration) -> None:
         self._settings = settings
@@ -105,8 +107,10 @@ class HexapodSimNode(Node):
         """Publish odometry first, so that the measurements of its instant find it."""
         settings, sensors = self._settings, self._sensors
         if self._ticks % ODOMETRY_PERIOD == 0:
-            self._odometry.publish(conversions.odometry_message(
-                sensors.odometry(truth), settings.odom_frame, settings.base_frame))
+            odometry = conversions.odometry_message(sensors.odometry(truth), settings.odom_frame,
+                                                    settings.base_frame)
+            self._odometry.publish(odometry)
+            self._transforms.publish(odometry)
         self._joints.publish(conversions.joint_message(sensors.joints(truth),
                                                        settings.base_frame))
         self._wrenches.publish(conversions.wrench_message(sensors.wrenches(truth),
