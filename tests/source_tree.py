@@ -19,7 +19,7 @@ ROS_FILES = (
 )
 
 # What a user starts: core itself, but it hands over to files that know ROS.
-ENTRY_SCRIPTS = ('psane_sim/demo.py', 'psane_sim/bench.py')
+ENTRY_SCRIPTS = ('psane_sim/demo.py', 'psane_sim/bench.py', 'psane_sim/check.py')
 
 
 def modules_of(package: str) -> list[Path]:
@@ -70,7 +70,7 @@ def text_files() -> list[Path]:
     """Return every file that is source: what a licence line belongs in."""
     kinds = ('*.py', '*.msg', '*.srv', '*.action', '*.cmake', '*.sh', '*.yaml', '*.cfg',
              'package.xml', 'CMakeLists.txt')
-    found = {path for folder in ('src', 'tests', 'cmake', 'setup', 'docker')
+    found = {path for folder in ('src', 'tests', 'cmake', 'setup', 'docker', 'examples')
              for kind in kinds for path in (ROOT / folder).rglob(kind)}
     named = {ROOT / name for name in ('psane', '.ci/run', 'pyproject.toml', 'docker/Dockerfile')}
     return sorted(path for path in found | named if '.egg-info' not in str(path))

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import shapely
 
-from psane_reactive.benchmark import measure
 from psane_reactive.clearance import Border
 from psane_reactive.command import Mode
 from psane_reactive.configuration import ReactiveConfiguration
@@ -135,13 +134,3 @@ def test_regions_that_are_no_regions_never_raise():
         command = controller.command(0.0)
         assert math.isfinite(command.linear)
         assert math.isfinite(command.angular)
-
-
-def test_the_benchmark_counts_what_it_drives():
-    figures = measure(snakes=2, stars=1, pairs=1, seed=4)
-    assert figures['drives'] == 3
-    assert figures['reach_share'] == 1.0
-    assert figures['exits'] == 0
-    assert 0.95 < figures['length_ratio_median'] < 1.3
-    assert figures['tick_ms_default'] > 0.0
-    assert figures['build_ms_default'] > 0.0

@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 from psane_mapping.leg import RobotModel, elements_in_base
 from psane_mapping.leg_response import LegMotion, leg_response
 from psane_mapping.rft import flowing_forces
-from psane_sim.soil import BODY, GranularSoil, RobotState
+from psane_sim.element_soil import ElementSoil
+from psane_sim.soil import BODY, RobotState
+from psane_sim.soil_family import granular_law
 from psane_sim.terrain import Terrain
 
 law = settings(deadline=None, derandomize=True, max_examples=30)
@@ -19,7 +21,8 @@ TICK = 0.001
 
 
 def soil(strength=STRENGTH):
-    return GranularSoil(ROBOT, Terrain.uniform(strength).strength_field)
+    field = Terrain.uniform(strength).strength_field
+    return ElementSoil(ROBOT, field, granular_law(field))
 
 
 def random_state(seed, height=0.12):

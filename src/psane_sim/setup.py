@@ -16,6 +16,8 @@ setup(
         ('share/ament_index/resource_index/packages', [f'resource/{package}']),
         (f'share/{package}', ['package.xml']),
         (f'share/{package}/config', sorted(glob('config/*.yaml'))),
+        (f'share/{package}/rviz', sorted(glob('rviz/*.rviz'))),
+        (f'share/{package}/foxglove', sorted(glob('foxglove/*.json'))),
     ],
     zip_safe=False,
     maintainer='PSANE maintainers',
@@ -29,6 +31,7 @@ setup(
             'contact_sensor = psane_sim.contact_sensor_node:main',
             'demo = psane_sim.demo:main',
             'bench = psane_sim.bench:main',
+            'check = psane_sim.check:main',
         ],
     },
 )

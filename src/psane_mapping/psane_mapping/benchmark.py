@@ -19,6 +19,7 @@ from psane_mapping.configuration import MappingConfiguration
 from psane_mapping.gaussian_process import GridPosterior
 from psane_mapping.grid import FloatArray, Grid
 from psane_mapping.kernels import RadialBasis
+from psane_mapping.peer_processes import installed
 
 _TIMED_UPDATES = 200
 _FIELD_NOISE = (0.03, 0.1)
@@ -42,7 +43,7 @@ def measure(full: bool = False, seed: int = 0) -> dict[str, float]:
         `sklearn_ms_n*`: the same by scikit-learn [ms]; `speedup_sklearn_n*`: their ratio [-];
         `max_mean_error`, `max_std_error`: largest differences over all cells with the default
         tolerance; `max_exact_error`: the larger of both with tolerance 0; `large_map_*`: see
-        `large_map_benchmark.measure`.
+        `large_map_benchmark.measure`. The same for GPy and GPyTorch where they are installed.
     """
     figures: dict[str, float] = {}
     for count in (500, 2000) if full else (500,):
@@ -75,6 +76,7 @@ def _against_dense(count: int, seed: int) -> dict[str, float]:
     _fill(exact, points, values, noise)
     mean, std, dense_ms = _dense(grid, kernel, points, values, noise)
     return {
+        **_against_peers(count, update_ms, grid, kernel, points, values, noise, mean),
         f'update_ms_n{count}': update_ms,
         f'sklearn_ms_n{count}': dense_ms,
         f'speedup_sklearn_n{count}': dense_ms / update_ms,
@@ -83,6 +85,23 @@ def _against_dense(count: int, seed: int) -> dict[str, float]:
         'max_exact_error': float(max(np.abs(exact.mean - mean).max(),
                                      np.abs(exact.std - std).max())),
     }
+
+
+def _against_peers(count: int, update_ms: float, grid: Grid, kernel: RadialBasis,
+                   points: FloatArray, values: FloatArray, noise: FloatArray,
+                   expected: FloatArray) -> dict[str, float]:
+    """Return time, ratio and largest difference of the mean for each other library there is."""
+    figures = {}
+    for name, process in installed().items():
+        times = []
+        for _ in range(2):
+            begin = time.perf_counter()
+            mean, _ = process(kernel, points, values, noise, grid.points)
+            times.append(1e3 * (time.perf_counter() - begin))
+        figures[f'{name}_ms_n{count}'] = min(times)
+        figures[f'speedup_{name}_n{count}'] = min(times) / update_ms
+        figures[f'{name}_difference_n{count}'] = float(np.abs(mean - expected.ravel()).max())
+    return figures
 
 
 def _fill(posterior: GridPosterior, points: FloatArray, values: FloatArray,

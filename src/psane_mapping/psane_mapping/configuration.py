@@ -41,8 +41,8 @@ class MappingConfiguration(Configuration):
     least_depth: float = parameter(0.003, 'stances that stay shallower are rejected', unit='m',
                                    low=0.0, high=1.0)
     least_response: float = parameter(
-        2.0, 'stances whose predicted force at strength 1 never exceeds this multiple of its noise '
-        'are rejected', low=0.0, high=1000.0)
+        2.0, 'stances whose predicted force at strength 1 never exceeds this multiple of its '
+        'noise are rejected', low=0.0, high=1000.0)
     least_r_squared: float = parameter(
         0.9, 'stances whose regression explains a smaller share are rejected',
         low=0.0, high=1.0)

@@ -32,7 +32,7 @@ from psane_mapping.kernels import Kernel
 from psane_mapping.tiling import Tiling
 from psane_mapping.window_store import WindowStore
 
-_LEAST_NOISE = 1e-6
+_NOISE_SHARES = (1e-6, 1e6)
 
 PriorMean = float | FloatArray | Callable[[Grid], float | FloatArray]
 
@@ -109,8 +109,8 @@ class GridPosterior:
             Inside the grid, unless that grows.
         value : float
         deviation : float
-            Standard deviation of the measurement's noise, above 0; below a millionth of the
-            prior's it counts as that, to stay clear of round-off.
+            Standard deviation of the measurement's noise, above 0; below a millionth or above
+            a million times the prior's it counts as that, to stay clear of round-off.
 
         Raises
         ------
@@ -118,7 +118,8 @@ class GridPosterior:
             For a number that is not finite or a point outside the grid; nothing is changed.
         """
         point = self._checked(point, value, deviation)
-        variance = max(deviation, _LEAST_NOISE * self.kernel.deviation) ** 2
+        low, high = (share * self.kernel.deviation for share in _NOISE_SHARES)
+        variance = min(max(deviation, low), high) ** 2
         excess = value - self._prior_at(point)
         innovation = Innovation(math.nan, math.nan)
         home = tuple((self.grid.index_of(point)

@@ -9,6 +9,7 @@ import numpy as np
 
 from psane_mapping.configuration import MappingConfiguration
 from psane_mapping.contact import LegContact
+from psane_mapping.errors import ShapeError
 from psane_mapping.gaussian_process import GridPosterior, PriorMean
 from psane_mapping.grid import FloatArray, Grid
 from psane_mapping.innovations import InnovationMonitor
@@ -94,7 +95,11 @@ class TerrainMapper:
 
     def add(self, contact: LegContact) -> TerrainSample | Rejection:
         """Take in one stance; return what it said, or why it was not used."""
-        outcome = self._sample(contact)
+        try:
+            outcome = self._sample(contact)
+        except (ArithmeticError, ShapeError):
+            # Numbers so large that what follows from them is none.
+            outcome = Rejection(reason=Reason.IMPLAUSIBLE, value=math.inf)
         if isinstance(outcome, Rejection):
             self.rejected[outcome.reason] += 1
             return outcome

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Render configuration dataclasses as a ROS parameter file, with meaning, unit and range beside.
 
-``python -m psane_mapping.parameter_file NODE MODULE...`` prints the file of a node whose parameters
-are all configurations that the modules define.
+``python -m psane_mapping.parameter_file NODE MODULE...`` prints the file of a node whose
+parameters are all configurations that the modules define.
 """
 
 import argparse
@@ -18,7 +18,7 @@ from psane_mapping.parameters import Configuration, declaration_of
 def file_of(node: str, configurations: Sequence[type[Configuration]]) -> str:
     """Return the text of a parameter file that sets every parameter of a node to its default."""
     lines = ['# SPDX-License-Identifier: Apache-2.0',
-             f'# Every parameter of {node} with its default; made by psane_mapping.parameter_file.',
+             f'# Every parameter of {node} with its default (made from the declarations).',
              f'/**/{node}:', '  ros__parameters:']
     for kind in configurations:
         for entry in fields(kind):

@@ -41,6 +41,7 @@ class SafePlanner:
         self._intervals = self._wide_open(self.configuration)
         self._safe_set = SafeSet(self.configuration, self.grid)
         self._was_certified = False
+        self._had_region = False
         self._is_lost = False
         self._make_parts()
 
@@ -117,7 +118,7 @@ class SafePlanner:
         admissible = self._admissible(keep_out)
         bounds = self._intervals.update(np.asarray(slip_mean, dtype=np.float64),
                                         np.asarray(slip_std, dtype=np.float64))
-        certified = self._safe_set.update(bounds, slip_mean, admissible, position)
+        certified = self._safe_set.update(bounds, np.asarray(slip_std), admissible, position)
         component = component_around(certified, self.grid, position)
         self._note_lost(component)
         region = self._region(certified, component, position)
@@ -146,8 +147,11 @@ class SafePlanner:
                 position: FloatArray) -> Region | None:
         if not self._strategy.traits.is_certified:
             return self._open_region()
-        within = math.inf if self._is_lost else self.configuration.lost_distance
-        return self._builder.build(certified, component.mask, position, within)
+        # Once there was a region, one that is left stays worth going back to, however far.
+        within = math.inf if self._had_region else self.configuration.lost_distance
+        region = self._builder.build(certified, component.mask, position, within)
+        self._had_region |= region is not None
+        return region
 
     def _open_region(self) -> Region:
         """Return the whole workspace less its border, for a strategy that certifies nothing."""

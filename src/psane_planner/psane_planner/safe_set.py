@@ -52,7 +52,7 @@ class SafeSet:
         self._grid = grid
         self.mask: Mask = np.zeros(grid.shape, dtype=np.bool_) if mask is None else mask
 
-    def update(self, bounds: Bounds, mean: FloatArray, admissible: Mask,
+    def update(self, bounds: Bounds, std: FloatArray, admissible: Mask,
                position: FloatArray) -> Mask:
         """Return S_t.
 
@@ -60,8 +60,8 @@ class SafeSet:
         ----------
         bounds : Bounds
             Ends of C_t.
-        mean : (rows, columns) float [-], slip ratio
-            Posterior mean, NaN where there is no estimate.
+        std : (rows, columns) float [-], slip ratio
+            Posterior standard deviation, NaN where there is no estimate.
         admissible : (rows, columns) bool
             Cells that may be certified.
         position : (2,) float, map frame [m]
@@ -71,7 +71,7 @@ class SafeSet:
         previous = self.mask & admissible
         own = (bounds.upper <= h) & admissible
         if self._configuration.certification == 'bound':
-            certified = own & (bounds.newest <= h)
+            certified = own & (bounds.newest <= h) & self._within_felt_reach(bounds, std)
         elif previous.any():
             certified = propagate(previous, bounds.upper, self._configuration,
                                   self._grid.resolution) & admissible
@@ -84,3 +84,15 @@ class SafeSet:
         certified.setflags(write=False)
         self.mask = certified
         return certified
+
+    def _within_felt_reach(self, bounds: Bounds, std: FloatArray) -> Mask:
+        """Return the cells that stay safe even if slip rises steeply beyond what was felt."""
+        config = self._configuration
+        if config.felt_slope == 0.0:
+            return np.ones(std.shape, dtype=np.bool_)
+        felt = std <= config.felt_deviation
+        radii = np.full(std.shape, NO_DISC, dtype=np.int64)
+        limit = std.shape[0] ** 2 + std.shape[1] ** 2
+        radii[felt] = squared_radii(bounds.newest[felt], config.slip_threshold,
+                                    config.felt_slope, self._grid.resolution, limit)
+        return union_of_discs(radii)

@@ -1,104 +1,130 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measure the steering on random regions: cost, reach, exits and length of the way."""
+"""Measure the steering: cost, reach, exits and length of the way, for both maps."""
 
 import argparse
 import json
-import time
+import sys
+from dataclasses import replace
 
 import numpy as np
-import shapely
 
+from psane_reactive.checks import measure_adversary, measure_properties
 from psane_reactive.configuration import ReactiveConfiguration
 from psane_reactive.controller import ReactiveController
-from psane_reactive.guide import Counts, Guide
-from psane_reactive.kinematic_robot import Drive, drive_to
-from psane_reactive.sample_regions import random_points, random_snake, star_world
-from psane_reactive.shortest_path import ShortestPath
+from psane_reactive.costs import build_times, tick_times
+from psane_reactive.recorded import read_recording
+from psane_reactive.sample_regions import polygon_world, random_points, random_snake
+from psane_reactive.trials import Tally, Trial, obstacle_trials, recorded_trials, run_trials
+
+MAPS = {'default': ReactiveConfiguration().steering_map, 'purging': 'purging'}
+"""What the figures' names say, and the map that is meant."""
+
+_TICKS = 20
+_WORLDS_OF_20 = 10
+# The time step of the drives among obstacles [s].
+_FINE_STEP = 0.02
 
 
-def measure(snakes: int = 40, stars: int = 8, pairs: int = 3, seed: int = 0,
-            configuration: ReactiveConfiguration | None = None) -> dict[str, float]:
-    """Drive through random regions and return what was seen.
+def measure_cost(settings: ReactiveConfiguration | None = None) -> dict[str, float]:
+    """Return times of ticks and builds [ms]: recorded regions, and purging with 20 polygons."""
+    settings = settings or ReactiveConfiguration()
+    purging = replace(settings, steering_map='purging')
+    regions = [region.polygon for region in read_recording()]
+    random = np.random.default_rng(20)
+    worlds = [polygon_world(random, 20, 14) for _ in range(_WORLDS_OF_20)]
+    for chosen in (settings, purging):
+        ReactiveController(chosen).warm_up()
+        build_times(worlds[:1], chosen)
+    figures: dict[str, float] = {}
+    for name, chosen, places in (('default', settings, regions), ('20', purging, worlds),
+                                 ('purging', purging, regions)):
+        ticks, builds = tick_times(places, chosen, _TICKS), build_times(places, chosen)
+        figures[f'tick_ms_{name}'] = float(np.median(ticks)) * 1e3
+        figures[f'tick_ms_{name}_p99'] = float(np.quantile(ticks, 0.99)) * 1e3
+        figures[f'build_ms_{name}'] = float(np.median(builds)) * 1e3
+        figures[f'build_ms_{name}_max'] = float(builds.max()) * 1e3
+    return figures
+
+
+def measure_laws(points: int = 5000, subgoals: int = 400) -> dict[str, float]:
+    """Return shares of random points at which each property of a map holds, and of exits."""
+    figures = measure_properties(points)
+    for steering in MAPS.values():
+        figures.update(measure_adversary(subgoals, steering=steering))
+    return figures
+
+
+def measure_drives(every: int = 6, worlds: int = 24, snakes: int = 8) -> dict[str, float]:
+    """Drive both maps and return reach, exits, exceptions and lengths.
 
     Parameters
     ----------
-    snakes, stars : int
-        Number of certified-like regions and of worlds with star-shaped holes.
-    pairs : int
-        Drives in each region, from one random point to another.
-
-    Returns
-    -------
-    Medians and shares by name; times in milliseconds.
+    every : int
+        Each so many-th recorded region is driven in, twice.
+    worlds : int
+        Worlds of obstacles, driven by a unicycle and by a point robot.
+    snakes : int
+        Random thin regions with branches and holes.
     """
-    settings = configuration or ReactiveConfiguration()
-    random = np.random.default_rng(seed)
-    regions = [random_snake(random, int(random.integers(10, 300)), random.uniform(0.1, 0.35))
-               for _ in range(snakes)]
-    regions += [star_world(random, int(random.integers(3, 11))) for _ in range(stars)]
-    ReactiveController(settings).warm_up()
-    counts = Counts()
-    builds = [_build_time(region, settings) for region in regions]
-    drives: list[Drive] = []
-    ratios: list[float] = []
-    for region in regions:
-        oracle = ShortestPath(region.simplify(0.004))
-        points = random_points(random, region, 2 * pairs)
-        for start, goal in zip(points[::2], points[1::2], strict=True):
-            controller = ReactiveController(settings)
-            controller.counts = counts
-            drive = drive_to(controller, region, start, random.uniform(-np.pi, np.pi), goal)
-            drives.append(drive)
-            shortest = oracle.length(start, goal)
-            if drive.has_arrived and 1.0 < shortest < np.inf:
-                ratios.append((drive.length + settings.arrival_tolerance) / shortest)
-    return _summary(drives, ratios, builds, counts)
+    recorded = read_recording()[::every]
+    figures: dict[str, float] = {}
+    for name, steering in MAPS.items():
+        settings = ReactiveConfiguration(steering_map=steering)
+        point = replace(settings, holonomic=True)
+        parts = {
+            'recorded': run_trials(recorded_trials(recorded), settings),
+            'snakes': run_trials(_snake_trials(snakes), settings),
+            'holes': run_trials(obstacle_trials(worlds // 4, seed=1, most_holes=14), settings),
+            'obstacles': run_trials(obstacle_trials(worlds), settings, _FINE_STEP),
+            'obstacles_point': run_trials(obstacle_trials(worlds), point, _FINE_STEP)}
+        for part, tally in parts.items():
+            figures.update(tally.figures(f'{name}_{part}'))
+            _complain(name, part, tally)
+    return figures
 
 
-def _build_time(region: shapely.Polygon, settings: ReactiveConfiguration) -> float:
-    """Return the wall-clock time from a new region to the first target [s]."""
-    points = random_points(np.random.default_rng(0), region, 2)
-    begin = time.perf_counter()
-    guide = Guide(region, settings, Counts())
-    guide.goal_inside(points[1], points[0])
-    guide.build()
-    return time.perf_counter() - begin
+def _snake_trials(count: int) -> list[Trial]:
+    """Return a drive between two random points in each of many random regions."""
+    random = np.random.default_rng(7)
+    trials = []
+    for number in range(count):
+        region = random_snake(random, int(random.integers(10, 300)), random.uniform(0.1, 0.35))
+        start, goal = random_points(random, region, 2)
+        trials.append(Trial(f'snake {number}', region, start, random.uniform(-3.0, 3.0), goal))
+    return trials
 
 
-def _summary(drives: list[Drive], ratios: list[float], builds: list[float],
-             counts: Counts) -> dict[str, float]:
-    """Put the figures of all drives together."""
-    ticks = np.concatenate([drive.tick_times[1:] for drive in drives])
-    guided = counts.by_map + counts.by_field
-    return {
-        'tick_ms_default': float(np.median(ticks)) * 1e3,
-        'tick_ms_default_p99': float(np.quantile(ticks, 0.99)) * 1e3,
-        'build_ms_default': float(np.median(builds)) * 1e3,
-        'build_ms_default_max': float(np.max(builds)) * 1e3,
-        'drives': float(len(drives)),
-        'reach_share': float(np.mean([drive.has_arrived for drive in drives])),
-        'exits': float(sum(drive.deepest_outside > 0.0 for drive in drives)),
-        'length_ratio_median': float(np.median(ratios)),
-        'length_ratio_p95': float(np.quantile(ratios, 0.95)),
-        'field_share': counts.by_field / max(guided, 1),
-        'maps_failed': float(counts.maps_failed),
-    }
+def _complain(name: str, part: str, tally: Tally) -> None:
+    """Say on standard error which drives failed."""
+    for failure in tally.failures:
+        print(f'{name}, {part}: {failure}', file=sys.stderr)
+
+
+def measure() -> dict[str, float]:
+    """Return all figures, of some of the recorded regions and of some random worlds."""
+    return {**measure_cost(), **measure_laws(), **measure_drives()}
 
 
 def main() -> None:
     """Print the figures, as text or as one JSON object."""
-    parser = argparse.ArgumentParser(description='measure the steering on random regions')
+    parser = argparse.ArgumentParser(description='measure the steering')
     parser.add_argument('--json', action='store_true', help='one JSON object on standard output')
-    parser.add_argument('--seed', type=int, default=0)
-    parser.add_argument('--snakes', type=int, default=40, help='certified-like regions')
-    parser.add_argument('--stars', type=int, default=8, help='worlds with star-shaped holes')
+    parser.add_argument('--full', action='store_true',
+                        help='every recorded region, 1000 worlds, 100000 points: an hour or more')
+    parser.add_argument('--cost', action='store_true', help='times of ticks and builds alone')
     arguments = parser.parse_args()
-    figures = measure(arguments.snakes, arguments.stars, seed=arguments.seed)
+    if arguments.cost:
+        figures = measure_cost()
+    elif arguments.full:
+        figures = {**measure_cost(), **measure_laws(100_000, 10_000),
+                   **measure_drives(every=1, worlds=1000, snakes=168)}
+    else:
+        figures = measure()
     if arguments.json:
         print(json.dumps(figures))
         return
     for name, value in figures.items():
-        print(f'{name:24s} {value:.4g}')
+        print(f'{name:36s} {value:.4g}')
 
 
 if __name__ == '__main__':

@@ -41,12 +41,29 @@ class Collar(NamedTuple):
     corners: FloatArray
 
 
-def half_planes(starts: FloatArray, ends: FloatArray) -> FloatArray:
-    """Return the half-planes (k, 3) on the left of directed edges (k, 2) [m]."""
-    along = ends - starts
-    lengths = np.hypot(along[:, 0], along[:, 1])
-    normals = np.column_stack((-along[:, 1], along[:, 0])) / lengths[:, None]
-    return np.column_stack((normals, np.einsum('ij,ij->i', normals, starts)))
+@njit(cache=True)  # type: ignore[misc]
+def half_planes(corners: FloatArray, count: int) -> FloatArray:
+    """Return the half-planes (count, 3) on the left of the first sides of a polygon (k, 2) [m]."""
+    faces = np.empty((count, 3))
+    for k in range(count):
+        following = (k + 1) % corners.shape[0]
+        dx, dy = corners[following, 0] - corners[k, 0], corners[following, 1] - corners[k, 1]
+        length = math.hypot(dx, dy)
+        faces[k, 0], faces[k, 1] = -dy / length, dx / length
+        faces[k, 2] = faces[k, 0] * corners[k, 0] + faces[k, 1] * corners[k, 1]
+    return faces
+
+
+@njit(cache=True)  # type: ignore[misc]
+def _reach(faces: FloatArray, point: FloatArray, direction: FloatArray) -> float:
+    """Return how far a ray from a point stays in all half-planes [m]."""
+    least = np.inf
+    for k in range(faces.shape[0]):
+        rate = faces[k, 0] * direction[0] + faces[k, 1] * direction[1]
+        if rate < -1e-12:
+            value = faces[k, 0] * point[0] + faces[k, 1] * point[1] - faces[k, 2]
+            least = min(least, value / -rate)
+    return least
 
 
 @njit(cache=True)  # type: ignore[misc]
@@ -84,14 +101,7 @@ def _scaled(centre: FloatArray, corners: FloatArray, growth: float,
             grown[k, axis] = centre[axis] + scale * (corners[k, axis] - centre[axis])
     if fixed > 0:
         grown[count] = centre
-    faces = np.empty((grown.shape[0], 3))
-    for k in range(grown.shape[0]):
-        following = (k + 1) % grown.shape[0]
-        dx, dy = grown[following, 0] - grown[k, 0], grown[following, 1] - grown[k, 1]
-        length = math.hypot(dx, dy)
-        faces[k, 0], faces[k, 1] = -dy / length, dx / length
-        faces[k, 2] = faces[k, 0] * grown[k, 0] + faces[k, 1] * grown[k, 1]
-    return grown, faces
+    return grown, half_planes(grown, grown.shape[0])
 
 
 @njit(cache=True)  # type: ignore[misc]
@@ -137,13 +147,14 @@ def collar_of(piece: Piece, parent: FloatArray | None, width: float, segments: F
     first, last = corners[0], corners[-1]
     middle = 0.5 * (first + last)
     inward = _unit(middle - corners.mean(axis=0))
-    faces = half_planes(corners[:-1], corners[1:])
+    faces = half_planes(corners, len(corners) - 1)
     limit = _reach(faces, middle, inward)
     if parent is not None:
-        sides = half_planes(parent, np.roll(parent, -1, axis=0))
+        sides = half_planes(parent, len(parent))
         limit = min(limit, _reach(sides, middle + 1e-9 * inward, inward))
     centre = middle + 0.5 * min(limit, 2.0 * width) * inward
-    normal = half_planes(last[None, :], first[None, :])[0, :2]
+    along = _unit(first - last)
+    normal = np.array((-along[1], along[0]))
     alive = ~is_purged[owners] & (owners != own) & (owners != parent_number)
     largest = width / max(float(np.hypot(*(corners[1:-1] - centre).T).max()), 1e-9)
     grown, collar_faces = _widest(centre, corners, 2, largest, segments, alive)
@@ -157,7 +168,7 @@ def disk_of(piece: Piece, width: float, segments: FloatArray, owners: IndexArray
             is_purged: NDArray[np.bool_], own: int) -> Collar:
     """Return the collar of a root that becomes a disk inside itself."""
     corners = piece.corners
-    faces = half_planes(corners, np.roll(corners, -1, axis=0))
+    faces = half_planes(corners, len(corners))
     centre = corners.mean(axis=0)
     radius = _KEPT * float((faces[:, :2] @ centre - faces[:, 2]).min())
     alive = ~is_purged[owners] & (owners != own)
@@ -166,14 +177,6 @@ def disk_of(piece: Piece, width: float, segments: FloatArray, owners: IndexArray
     if len(grown) == 0 or radius <= 0.0:
         raise MapError('there is no room for the collar of an obstacle')
     return Collar(centre, np.array((0.0, 0.0, radius)), faces, collar_faces, grown)
-
-
-def _reach(faces: FloatArray, point: FloatArray, direction: FloatArray) -> float:
-    """Return how far a ray from a point stays in all half-planes [m]."""
-    rate = faces[:, :2] @ direction
-    value = faces[:, :2] @ point - faces[:, 2]
-    falling = rate < -1e-12
-    return float((value[falling] / -rate[falling]).min()) if falling.any() else math.inf
 
 
 def _unit(vector: FloatArray) -> FloatArray:

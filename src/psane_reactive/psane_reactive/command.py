@@ -16,6 +16,7 @@ class Mode(Enum):
     BACK_OUT = 'back_out'
     MARCH = 'march'
     RETREAT = 'retreat'
+    STUCK = 'stuck'
 
 
 @dataclass(frozen=True)
@@ -32,9 +33,12 @@ class Command:
         What the command is for.
     reason : str
         In words: why the robot stops, marches or is led back, and what steers it otherwise.
+    lateral : float
+        Speed to the left, of a holonomic robot only [m/s].
     """
 
     linear: float
     angular: float
     mode: Mode
     reason: str
+    lateral: float = 0.0

@@ -13,7 +13,10 @@ class ReactiveConfiguration(Configuration):
 
     map_frame: str = parameter('map', 'frame of region, subgoal and pose', read_only=True)
     steering_map: str = parameter(
-        'harmonic', 'how the way through the region is found', choices=('harmonic', 'field'))
+        'harmonic', 'how the way through the region is found',
+        choices=('harmonic', 'purging', 'field'))
+    holonomic: bool = parameter(
+        False, 'drive sideways, too, for a robot that can; the yaw stays what it is')
     rate: float = parameter(20.0, 'rate of velocity commands', unit='Hz', low=5.0, high=100.0,
                             read_only=True)
 
@@ -43,6 +46,14 @@ class ReactiveConfiguration(Configuration):
     hole_stiffness: float = parameter(
         1.0, 'pull of a hole on its border; large values shrink it to a point', low=0.01,
         high=1000.0)
+    purge_switch: str = parameter(
+        'scale_free', 'switch of the purging map; exponential is the published one',
+        choices=('scale_free', 'exponential'))
+    purge_pieces: str = parameter(
+        'convex', 'what the purging map cuts obstacles into', choices=('convex', 'triangles'))
+    purge_width: float = parameter(
+        0.5, 'how far from an obstacle the purging map bends space at most', unit='m', low=0.02,
+        high=5.0)
     field_cell: float = parameter(0.05, 'cell of the fallback field', unit='m', low=0.01, high=0.5)
     field_length: float = parameter(
         0.2, 'decay length of the fallback field', unit='m', low=0.02, high=2.0)

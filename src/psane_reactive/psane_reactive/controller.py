@@ -2,6 +2,7 @@
 """The steering as a whole: region, subgoal and odometry in, one safe command out."""
 
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from psane_reactive.clearance import Border
 from psane_reactive.command import Command, Mode
 from psane_reactive.configuration import ReactiveConfiguration
 from psane_reactive.guide import Aim, Counts, Guide
+from psane_reactive.holonomic import HolonomicLaw
 from psane_reactive.inputs import Inputs
 from psane_reactive.law import UnicycleLaw
 from psane_reactive.limits import STANDSTILL, Velocity, limited, rate_limited
@@ -33,6 +35,9 @@ class ReactiveController:
     Parameters
     ----------
     configuration : ReactiveConfiguration
+    executor : Executor or None
+        Where maps are built; None builds them within the command that first needs them, so that
+        the same inputs give the same commands.
 
     Notes
     -----
@@ -41,7 +46,9 @@ class ReactiveController:
     finds. The safety stop judges every command that moves the robot.
     """
 
-    def __init__(self, configuration: ReactiveConfiguration | None = None) -> None:
+    def __init__(self, configuration: ReactiveConfiguration | None = None,
+                 executor: Executor | None = None) -> None:
+        self._executor = executor
         self.counts = Counts()
         self.inputs = Inputs(configuration or ReactiveConfiguration())
         self._guide: Guide | None = None
@@ -53,22 +60,25 @@ class ReactiveController:
 
     def reconfigure(self, configuration: ReactiveConfiguration) -> None:
         """Steer by other parameters from now on; what was heard last is kept."""
-        self.configuration = configuration
-        self.inputs.configuration = configuration
+        self.configuration = self.inputs.configuration = configuration
         self._safety = SafetyStop(configuration)
         self._law = UnicycleLaw(configuration)
         self._direction = SteadyDirection(configuration)
+        self._freely = HolonomicLaw(configuration, self._safety)
         self._march = March(configuration, self._safety)
         self._retreat = Retreat(configuration)
         self._back_out = BackOut(configuration, self._safety)
         self._progress = Progress(configuration)
         self._has_arrived = False
+        self._guide = None
         self._enter_region()
 
     def _enter_region(self) -> None:
         """Begin to steer in the region that was heard last."""
-        region = self.inputs.region
-        self._guide = None if region is None else Guide(region, self.configuration, self.counts)
+        region, old = self.inputs.region, self._guide
+        self._guide = None if region is None else Guide(
+            region, self.configuration, self.counts, self._executor,
+            None if old is None else old.map_within(region))
 
     def set_region(self, area: Any, now: float) -> None:
         """Take the region, a Polygon or MultiPolygon, map frame [m]; None when there is none.
@@ -108,6 +118,7 @@ class ReactiveController:
             self._back_out.reset()
             self._law.reset()
             self._direction.reset()
+            self._freely.reset()
             self._march.reset()
         self._odometry_time = now
         self._back_out.remember(after)
@@ -119,6 +130,8 @@ class ReactiveController:
         self._last_time = now if np.isfinite(now) else None
         if command.mode is not Mode.MARCH:
             self._march.reset()
+        if command.mode is not Mode.DRIVE:
+            self._freely.reset()
         return command
 
     def _decide(self, now: float) -> Command:
@@ -130,13 +143,11 @@ class ReactiveController:
             return self._without_region(now)
         pose, border = self.inputs.pose, self._guide.border
         outside = border.outside_distance(pose)
-        was_outside = self._retreat.is_active
         if self._retreat.is_needed(outside):
             wanted = self._retreat.velocity(border, pose)
+            self._back_out.demand()
             reason = f'led back, {max(outside, 0.0):.2f} m outside the region'
             return self._judged(border, wanted, Mode.RETREAT, reason, now)
-        if was_outside:
-            self._back_out.demand()
         if self.inputs.march_wanted:
             return self._shuffle(border, 'the planner asks to feel the ground here', now)
         if self.inputs.subgoal is None:
@@ -165,22 +176,41 @@ class ReactiveController:
             if self.inputs.subgoal_is_goal:
                 return Command(0.0, 0.0, Mode.ARRIVED, 'the goal is reached')
             return self._shuffle(guide.border, 'the subgoal is reached', now)
-        aim = guide.aim(pose.position, goal, self._progress.watch(pose, now))
+        stalls = self._progress.watch(pose, now)
+        self.aim = aim = guide.aim(pose.position, goal, stalls > 0)
         if aim is None:
-            return _stopped('no way leads through the region to the subgoal')
-        self.aim = aim
+            return _stopped('the map of the new region is being built' if guide.is_building
+                            else 'no way leads through the region to the subgoal')
+        if self.configuration.holonomic:
+            return self._go_freely(guide.border, aim, now)
+        return self._steered(guide.border, aim, stalls, now)
+
+    def _steered(self, border: Border, aim: Aim, stalls: int, now: float) -> Command:
+        """Drive at what is aimed at like a unicycle."""
+        pose = self.inputs.pose
         target = self._direction.toward(pose, aim.target, now)
-        wanted = self._law.velocity(pose, target, aim.left, guide.border,
+        wanted = self._law.velocity(pose, target, aim.left, border,
                                     may_reverse=self.inputs.subgoal_is_goal)
         turn = 0.0 if self._law.is_reversing else pose.heading_error(target)
         if self._law.is_turning or turn == 0.0:
-            back = self._back_out.velocity(guide.border, pose, self.inputs.velocity, turn)
+            back = self._back_out.velocity(border, pose, self.inputs.velocity, turn)
             if back is not None:
-                return self._judged(guide.border, back, Mode.BACK_OUT,
+                return self._judged(border, back, Mode.BACK_OUT,
                                     'backs out before a turn, the nose is outside', now)
+        if stalls > (0 if self.configuration.steering_map == 'field' else 1):
+            lost = stalls * self.configuration.stall_time
+            return self._judged(border, wanted, Mode.STUCK, f'{aim.found_by}, yet the robot has '
+                                f'been getting nowhere for {lost:g} s', now)
         mode = (Mode.TURN if self._law.is_turning
                 else Mode.REVERSE if self._law.is_reversing else Mode.DRIVE)
-        return self._judged(guide.border, wanted, mode, aim.found_by, now)
+        return self._judged(border, wanted, mode, aim.found_by, now)
+
+    def _go_freely(self, border: Border, aim: Aim, now: float) -> Command:
+        """Drive at what is aimed at without turning."""
+        velocity, was_held = self._freely.velocity(
+            self.inputs.pose, aim.target, aim.left, border, self._step(now))
+        reason = f'{aim.found_by}; held by the safety stop' if was_held else aim.found_by
+        return Command(float(velocity[0]), 0.0, Mode.DRIVE, reason, float(velocity[1]))
 
     def _shuffle(self, border: Border | None, reason: str, now: float) -> Command:
         """March in place."""
@@ -192,10 +222,8 @@ class ReactiveController:
     def _judged(self, border: Border, wanted: Velocity, mode: Mode, reason: str,
                 now: float) -> Command:
         """Return a wanted velocity within its rates and as far as the safety stop lets it."""
-        step = _LONGEST_STEP if self._last_time is None else now - self._last_time
-        step = min(max(step, 0.0), _LONGEST_STEP)
         wanted = limited(wanted, self.configuration)
-        smooth = rate_limited(wanted, self._last, step, self.configuration)
+        smooth = rate_limited(wanted, self._last, self._step(now), self.configuration)
         verdict = self._safety.judge(border, self.inputs.pose, self.inputs.velocity, smooth)
         if verdict.was_stopped:
             reason = f'{reason}; the safety stop holds it'
@@ -203,12 +231,15 @@ class ReactiveController:
             reason = f'{reason}; slowed by the safety stop'
         return Command(*verdict.velocity, mode, reason)
 
+    def _step(self, now: float) -> float:
+        """Return the time since the last command, as far as it counts [s]."""
+        step = _LONGEST_STEP if self._last_time is None else now - self._last_time
+        return min(max(step, 0.0), _LONGEST_STEP)
+
     def warm_up(self) -> None:
         """Run every compiled function once, so that no later command waits for the compiler."""
         trial = ReactiveController(self.configuration)
-        trial.set_region(shapely.Polygon(
-            [(0.0, 0.0), (3.0, 0.0), (3.0, 3.0), (0.0, 3.0)],
-            [[(0.5, 0.5), (2.5, 0.5), (2.5, 2.5), (0.5, 2.5)]]), 0.0)
+        trial.set_region(shapely.box(0, 0, 3, 3) - shapely.box(0.5, 0.5, 2.5, 2.5), 0.0)
         trial.set_subgoal((2.75, 2.75), False, False, 0.0)
         trial.set_odometry((0.25, 0.25, 0.0), (0.0, 0.0), 0.0)
         trial.command(0.0)

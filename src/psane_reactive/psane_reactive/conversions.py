@@ -52,5 +52,6 @@ def twist_of(command: Command) -> Twist:
     """Return the velocity of a command."""
     message = Twist()
     message.linear.x = float(command.linear)
+    message.linear.y = float(command.lateral)
     message.angular.z = float(command.angular)
     return message

@@ -4,7 +4,6 @@
 import math
 from dataclasses import dataclass
 
-import numpy as np
 import shapely
 
 from psane_mapping.grid import FloatArray
@@ -65,14 +64,14 @@ def pieces_of(ring: FloatArray, is_pushed_out: bool, is_merged: bool) -> list[Pi
 def _triangles(ring: FloatArray) -> list[Corners]:
     """Triangulate a simple polygon; corner indices counter-clockwise."""
     number = {(x, y): k for k, (x, y) in enumerate(ring.tolist())}
-    parts = shapely.constrained_delaunay_triangles(shapely.Polygon(ring))
     found = []
     try:
+        parts = shapely.constrained_delaunay_triangles(shapely.Polygon(ring))
         for part in shapely.get_parts(parts):
             a, b, c = (number[x, y] for x, y in list(part.exterior.coords)[:3])
             is_turned = not part.exterior.is_ccw
             found.append([a, c, b] if is_turned else [a, b, c])
-    except KeyError as error:
+    except (KeyError, shapely.errors.GEOSException) as error:
         raise MapError('an obstacle cannot be cut into triangles at its corners') from error
     if len(found) != len(ring) - 2:
         raise MapError(f'an obstacle of {len(ring)} corners was cut into {len(found)} '
@@ -85,14 +84,15 @@ def _merged(ring: FloatArray, triangles: list[Corners]) -> list[Corners]:
     pieces: dict[int, Corners] = dict(enumerate(triangles))
     owner = {edge: k for k, piece in pieces.items() for edge in _edges(piece)}
     diagonals = [edge for edge in owner if edge[0] < edge[1] and edge[::-1] in owner]
+    points = [(x, y) for x, y in ring.tolist()]
     # Long diagonals first: across them the stoutest pieces are joined.
-    diagonals.sort(key=lambda edge: -float(np.hypot(*(ring[edge[1]] - ring[edge[0]]))))
+    diagonals.sort(key=lambda edge: -math.dist(points[edge[0]], points[edge[1]]))
     for edge in diagonals:
         first, second = owner[edge], owner[edge[::-1]]
         left, right = _led_by(pieces[first], edge), _led_by(pieces[second], edge[::-1])
         # `left` runs from the end of the edge round to its start.
         union = left + right[1:-1]
-        if not (_turns_left(ring, union, 0) and _turns_left(ring, union, len(left) - 1)):
+        if not (_turns_left(points, union, 0) and _turns_left(points, union, len(left) - 1)):
             continue
         pieces[first] = union
         del pieces[second], owner[edge], owner[edge[::-1]]
@@ -141,9 +141,12 @@ def _area(ring: FloatArray, piece: Corners) -> float:
     return float(shapely.Polygon(ring[piece]).area)
 
 
-def _turns_left(ring: FloatArray, piece: Corners, place: int) -> bool:
+def _turns_left(points: list[tuple[float, float]], piece: Corners, place: int) -> bool:
     """Tell whether a polygon turns left, and clearly so, at one of its corners."""
-    before, here, after = (ring[piece[(place + k) % len(piece)]] for k in (-1, 0, 1))
-    into, out = here - before, after - here
-    turn = math.atan2(into[0] * out[1] - into[1] * out[0], float(into @ out))
-    return turn > _LEAST_TURN
+    here_x, here_y = points[piece[place]]
+    before_x, before_y = points[piece[place - 1]]
+    after_x, after_y = points[piece[(place + 1) % len(piece)]]
+    into_x, into_y = here_x - before_x, here_y - before_y
+    out_x, out_y = after_x - here_x, after_y - here_y
+    return math.atan2(into_x * out_y - into_y * out_x,
+                      into_x * out_x + into_y * out_y) > _LEAST_TURN

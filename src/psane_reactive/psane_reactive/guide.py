@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Find the way through the region: by the chosen map, by the field where the map cannot tell."""
 
+from concurrent.futures import Executor, Future
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -13,12 +14,14 @@ from psane_reactive.clearance import Area, Border
 from psane_reactive.configuration import ReactiveConfiguration
 from psane_reactive.errors import ReactiveError
 from psane_reactive.field import ScreenedPoissonField
-from psane_reactive.harmonic import HarmonicMap
+from psane_reactive.map_builder import AtOnce, build_map
 from psane_reactive.model_map import ModelMap, Way
 from psane_reactive.region import nearest_part, point_inside, smooth_parts
 
 _SUBGOAL_DEPTH = 0.01
 _FINEST_DIVISOR = 4.0
+# A region that has only grown holds the old one but for this much of its edge [m].
+_EDGE_TOLERANCE = 0.02
 
 
 @dataclass
@@ -29,6 +32,7 @@ class Counts:
     by_map: int = 0
     by_field: int = 0
     without_way: int = 0
+    waiting: int = 0
     maps_built: int = 0
     maps_failed: int = 0
 
@@ -48,19 +52,47 @@ class Guide:
     ----------
     area : Polygon or MultiPolygon, map frame [m]
         A clean region.
+    previous : ModelMap or None
+        Map of an older region that lies within this one; leads until this one's is built.
     """
 
-    def __init__(self, area: Area, configuration: ReactiveConfiguration, counts: Counts) -> None:
+    def __init__(self, area: Area, configuration: ReactiveConfiguration, counts: Counts,
+                 executor: Executor | None = None, previous: ModelMap | None = None) -> None:
         self._configuration = configuration
         self._parts = smooth_parts(area, configuration.smoothing_radius)
         self._counts = counts
+        self._executor = AtOnce() if executor is None else executor
+        self._previous = previous
         self.border = Border(area)
         self._component: shapely.Polygon | None = None
-        self._map: ModelMap | None = None
-        self._map_was_tried = False
+        self._build: Future[ModelMap | None] | None = None
+        self._map_is_known = False
         self._field: ScreenedPoissonField | None = None
         self._divisor = 1.0
         self._goal: tuple[bytes, FloatArray] | None = None
+
+    @property
+    def component(self) -> shapely.Polygon | None:
+        """Part of the region that holds the robot, None before the first aim."""
+        return self._component
+
+    @property
+    def is_building(self) -> bool:
+        """Whether the map of this region is under way."""
+        return self._build is not None and not self._build.done()
+
+    def usable_map(self) -> ModelMap | None:
+        """Return the map that leads now: this region's, or while that is built the older one."""
+        if self._build is not None and self._build.done():
+            return self._build.result()
+        return self._previous
+
+    def map_within(self, region: Area) -> ModelMap | None:
+        """Return the map in use if a new region holds its own, to lead while another is built."""
+        if isinstance(self._executor, AtOnce) or self._component is None:
+            return None
+        core = self._component.buffer(-_EDGE_TOLERANCE)
+        return self.usable_map() if not core.is_empty and region.covers(core) else None
 
     def goal_inside(self, subgoal: FloatArray, position: FloatArray) -> FloatArray:
         """Return the point of the robot's component that is nearest to a subgoal, (2,) [m]."""
@@ -86,11 +118,9 @@ class Guide:
                 self.border, position, goal, settings.edge_margin):
             self._counts.straight += 1
             return Aim(goal, distance, 'straight')
-        reach = settings.look_ahead + 0.1
-        use_map = settings.steering_map != 'field' and not prefer_field
-        for name in ('map', 'field') if use_map else ('field',):
+        for name in self._ways_to_ask(prefer_field):
             way = (self._way_by_map if name == 'map' else self._way_by_field)(
-                position, goal, reach)
+                position, goal, settings.look_ahead + 0.1)
             if way is None or len(way.points) == 0:
                 continue
             if name == 'map':
@@ -101,40 +131,43 @@ class Guide:
                                settings.edge_margin)
             left = max(distance, settings.look_ahead if not way.ends_at_goal else 0.0)
             return Aim(target, left, settings.steering_map if name == 'map' else 'field')
-        self._counts.without_way += 1
+        if self.is_building:
+            self._counts.waiting += 1
+        else:
+            self._counts.without_way += 1
         return None
+
+    def _ways_to_ask(self, prefer_field: bool) -> tuple[str, ...]:
+        """Return what is asked for a way, in order; the field never while a map is built."""
+        if self._configuration.steering_map == 'field' or prefer_field:
+            return ('field',)
+        self.build()
+        return ('map',) if self.is_building else ('map', 'field')
 
     def _enter(self, position: FloatArray) -> shapely.Polygon:
         """Return the part that holds the robot; what was built for another one is dropped."""
         number = nearest_part(self._parts, position)
         if self._component is not self._parts[number]:
             self._component = self._parts[number]
-            self._map, self._map_was_tried, self._goal = None, False, None
+            self._build, self._map_is_known, self._goal = None, False, None
             self._field, self._divisor = None, 1.0
         return self._component
 
-    def _harmonic(self) -> ModelMap | None:
-        """Return the map of the robot's component, None when it cannot be built."""
-        if not self._map_was_tried and self._component is not None:
-            self._map_was_tried = True
-            settings = self._configuration
-            # A hexagonal lattice has one vertex per 0.866 edge^2.
-            edge = max(settings.mesh_edge, self._component.length / settings.mesh_size,
-                       float(np.sqrt(self._component.area / (0.866 * settings.mesh_size))))
-            try:
-                self._map = HarmonicMap(self._component, edge, settings.hole_stiffness)
-                self._counts.maps_built += 1
-            except ReactiveError:
-                self._counts.maps_failed += 1
-        return self._map
-
     def build(self) -> None:
-        """Build the map of the robot's component now, not at the first aim that needs it."""
-        self._harmonic()
+        """Have the map of the robot's component built, if that was not done yet."""
+        if self._build is None and self._component is not None:
+            self._build = self._executor.submit(build_map, self._component,
+                                                self._configuration)
+        if self._build is not None and self._build.done() and not self._map_is_known:
+            self._map_is_known = True
+            if self._build.result() is None:
+                self._counts.maps_failed += 1
+            else:
+                self._counts.maps_built += 1
 
     def _way_by_map(self, position: FloatArray, goal: FloatArray, reach: float) -> Way | None:
         """Return the map's way, None where it cannot tell."""
-        chosen = self._harmonic()
+        chosen = self.usable_map()
         return None if chosen is None else chosen.way(position, goal, reach)
 
     def _way_by_field(self, position: FloatArray, goal: FloatArray, reach: float) -> Way | None:

@@ -10,7 +10,14 @@ from psane_reactive.embedding import Embedding, doubled_areas, embed
 from psane_reactive.errors import MapError
 from psane_reactive.mesh import Mesh, mesh_region
 from psane_reactive.model_map import Way
-from psane_reactive.trace import barycentric, fill_buckets, locate, neighbours_of, pull_back_line
+from psane_reactive.trace import (
+    barycentric,
+    fill_buckets,
+    locate,
+    neighbours_of,
+    owners_of,
+    pull_back_line,
+)
 
 # Images thinner than this are lost in rounding: coordinates in the disk are known to 1e-16.
 _THINNEST = 1e-12
@@ -45,6 +52,9 @@ class HarmonicMap:
         self.embedding = self._best_embedding(stiffness)
         self.border = Border(self.polygon)
         self.is_usable = self._usable_triangles()
+        self._edge_starts = np.concatenate(self.mesh.rings)
+        self._edge_ends = np.concatenate([np.roll(ring, -1) for ring in self.mesh.rings])
+        self._edge_triangles = owners_of(self.mesh.triangles, self._edge_starts, self._edge_ends)
         self._neighbours = neighbours_of(self.embedding.triangles)
         self._corner = self.mesh.vertices.min(axis=0) - 1e-6
         extent = self.mesh.vertices.max(axis=0) - self._corner + 1e-6
@@ -93,17 +103,12 @@ class HarmonicMap:
         triangle = self.triangle_at(point)
         if triangle >= 0:
             return point, triangle
-        edge_point = self.border.nearest(point)
-        away = edge_point - point
-        away /= max(float(np.hypot(*away)), 1e-12)
-        for depth in (1e-5, 1e-4, 1e-3, -1e-5, -1e-4, -1e-3):
-            moved = edge_point + depth * away
-            triangle = self.triangle_at(moved)
-            if triangle >= 0:
-                return moved, triangle
-        nearest = int(np.argmin(np.hypot(*(self.mesh.vertices - point).T)))
-        triangle = int(np.flatnonzero((self.mesh.triangles == nearest).any(axis=1))[0])
-        return self.mesh.vertices[self.mesh.triangles[triangle]].mean(axis=0), triangle
+        starts = self.mesh.vertices[self._edge_starts]
+        along = self.mesh.vertices[self._edge_ends] - starts
+        share = np.einsum('ij,ij->i', point - starts, along) / np.einsum('ij,ij->i', along, along)
+        places = starts + np.clip(share, 0.0, 1.0)[:, None] * along
+        nearest = int(np.argmin(((places - point) ** 2).sum(axis=1)))
+        return places[nearest], int(self._edge_triangles[nearest])
 
     def to_model(self, points: FloatArray) -> FloatArray:
         """Map points (n, 2), map frame [m], to the disk (n, 2) [-]."""

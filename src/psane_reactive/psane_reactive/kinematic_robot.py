@@ -65,8 +65,10 @@ def drive_to(controller: ReactiveController, region: shapely.Polygon, start: Flo
             drive.has_arrived = True
             break
         velocity = (command.linear, command.angular)
+        aside = command.lateral * step
         pose = advance(*pose, *velocity, step)
-        drive.length += abs(command.linear) * step
+        pose = (pose[0] - aside * math.sin(pose[2]), pose[1] + aside * math.cos(pose[2]), pose[2])
+        drive.length += math.hypot(command.linear, command.lateral) * step
         drive.time += step
         drive.deepest_outside = max(drive.deepest_outside,
                                     border.outside_distance(np.array(pose)))

@@ -83,8 +83,11 @@ class UnicycleLaw:
         size = abs(error)
         if size < settings.turn_until:
             self.is_turning = False
-        elif size > settings.turn_first_above or not self.is_reversing and settings.arc_room * settings.arc_radius * size > free:
+        elif size > settings.turn_first_above:
             self.is_turning = True
+        else:
+            room = settings.arc_room * settings.arc_radius * size
+            self.is_turning |= not self.is_reversing and room > free
 
     def _choose_direction(self, error: float, left: float) -> None:
         """Reverse towards a near target behind, until it is clearly ahead."""

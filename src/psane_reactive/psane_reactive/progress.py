@@ -16,25 +16,25 @@ class Progress:
         self._since: tuple[float, Pose] | None = None
         self._last: Pose | None = None
         self._driven = 0.0
-        self.is_stalled = False
+        self.stalls = 0
 
     def reset(self) -> None:
         """Begin anew, with a new subgoal."""
-        self._since, self._last, self._driven, self.is_stalled = None, None, 0.0, False
+        self._since, self._last, self._driven, self.stalls = None, None, 0.0, 0
 
-    def watch(self, pose: Pose, now: float) -> bool:
-        """Return whether the robot has been getting nowhere; stays true until `reset`."""
+    def watch(self, pose: Pose, now: float) -> int:
+        """Return for how many stall times the robot has been getting nowhere since `reset`."""
         if self._since is None or self._last is None:
             self._since, self._last = (now, pose), pose
-            return self.is_stalled
+            return self.stalls
         self._driven += _distance(pose, self._last)
         self._last = pose
         if now - self._since[0] >= self._configuration.stall_time:
             led = _distance(pose, self._since[1])
             if led < max(_LEAST, _LEAST_SHARE * self._driven):
-                self.is_stalled = True
+                self.stalls += 1
             self._since, self._driven = (now, pose), 0.0
-        return self.is_stalled
+        return self.stalls
 
 
 def _distance(first: Pose, second: Pose) -> float:

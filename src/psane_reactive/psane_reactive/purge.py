@@ -45,6 +45,8 @@ class Chain(NamedTuple):
 
 # Weight of the distance to the piece against that to the collar in the scale-free switch [-].
 _KAPPA = 0.3
+# Distance to a piece that composing hundreds of transformations may get wrong [m].
+_ROUNDING = 1e-11
 
 
 @njit(cache=True, error_model='numpy')  # type: ignore[misc]
@@ -121,8 +123,8 @@ def _switch(chain: Chain, k: int, x: float, y: float) -> tuple[float, float, flo
         return 0.0, 0.0, 0.0
     inside, bx, by = conjunction(chain.faces, chain.piece_faces[k, 0], chain.piece_faces[k, 1],
                                  x, y)
-    # On the piece itself, where rounding may put points of its border, all is purged.
-    b, bx, by = max(0.0, -inside), -bx, -by
+    # On the piece itself all is purged, and so near it that rounding may have put a point there.
+    b, bx, by = max(0.0, -inside - _ROUNDING), -bx, -by
     if not chain.is_exponential:
         sigma, by_b, by_g = _scale_free(b, g)
         return sigma, by_b * bx + by_g * gx, by_b * by + by_g * gy
@@ -140,7 +142,7 @@ def purge(chain: Chain, x: float, y: float, jacobian: FloatArray) -> tuple[float
 
     Notes
     -----
-    h(x) = sigma (x* + nu (x - x*)) + (1 - sigma) x with nu = ((v_e - x*) . n_e) / ((x - x*) . n_e),
+    h(x) = sigma (x* + nu (x - x*)) + (1 - sigma) x; nu = ((v_e - x*) . n_e) / ((x - x*) . n_e),
     and nu = radius / |x - x*| for a root that becomes a disk.
     """
     jacobian[0, 0], jacobian[0, 1], jacobian[1, 0], jacobian[1, 1] = 1.0, 0.0, 0.0, 1.0

@@ -14,15 +14,21 @@ from psane_reactive.purge import Chain, purge
 
 # Steps along the way, and how near to the edge they are let [m].
 _STEP = 0.04
-_SMALLEST_STEP = 0.0005
-_EDGE = 0.001
-_MOST_STEPS = 400
+_SMALLEST_STEP = 0.0002
+_EDGE = 0.005
+_MOST_STEPS = 1000
+_FINE_STEP = 0.01
+_MEMORY = 12
 
 
 @njit(cache=True)  # type: ignore[misc]
 def direction(chain: Chain, hull: FloatArray, disks: FloatArray, x: float, y: float,
-              goal_image: FloatArray, jacobian: FloatArray) -> tuple[float, float]:
+              goal_image: FloatArray, jacobian: FloatArray) -> tuple[float, float, float]:
     """Return the unit direction of the pulled-back law, (0, 0) where there is none.
+
+    Returns
+    -------
+    Direction, and the distance of the point's image to the goal's [m].
 
     Notes
     -----
@@ -34,9 +40,10 @@ def direction(chain: Chain, hull: FloatArray, disks: FloatArray, x: float, y: fl
     dx = jacobian[1, 1] * du - jacobian[0, 1] * dv
     dy = jacobian[0, 0] * dv - jacobian[1, 0] * du
     length = math.hypot(dx, dy)
+    left = math.hypot(goal_image[0] - u, goal_image[1] - v)
     if not length > 1e-200:
-        return 0.0, 0.0
-    return dx / length, dy / length
+        return 0.0, 0.0, left
+    return dx / length, dy / length, left
 
 
 @njit(cache=True)  # type: ignore[misc]
@@ -62,32 +69,36 @@ def follow(chain: Chain, hull: FloatArray, disks: FloatArray, border: Segments,
 
     Notes
     -----
-    Midpoint rule with steps that are halved until they stay inside the region.
+    Midpoint rule with steps that are halved until they stay inside the region and bring the
+    image nearer to the goal's than it was some steps ago: in the disk world the law does so
+    everywhere (Arslan & Koditschek 2016). Next to the edge, where the map changes within less
+    than a step, a fine one is taken all the same.
     """
     way, jacobian = np.empty((_MOST_STEPS, 2)), np.empty((2, 2))
     x, y = start[0], start[1]
+    dx, dy, left = direction(chain, hull, disks, x, y, goal_image, jacobian)
+    lefts = np.full(_MEMORY, 1.01 * left)
     count, length, step = 0, 0.0, _STEP
-    for _ in range(3 * _MOST_STEPS):
-        if count == _MOST_STEPS or length >= reach or step < _SMALLEST_STEP:
-            break
+    while count < _MOST_STEPS and length < reach and step >= _SMALLEST_STEP:
         away = math.hypot(goal[0] - x, goal[1] - y)
         if away <= _STEP and segment_distance(border, x, y, goal[0], goal[1], 1e-6) > 0.0:
             return way[:count], True
-        dx, dy = direction(chain, hull, disks, x, y, goal_image, jacobian)
-        middle_x, middle_y = x + 0.5 * step * dx, y + 0.5 * step * dy
-        mx, my = direction(chain, hull, disks, middle_x, middle_y, goal_image, jacobian)
-        if dx * mx + dy * my <= 0.0:
-            mx, my = dx, dy
-            step *= 0.5
+        mx, my, _ = direction(chain, hull, disks, x + 0.5 * step * dx, y + 0.5 * step * dy,
+                              goal_image, jacobian)
         next_x, next_y, inside = _kept_inside(border, x + step * mx, y + step * my)
+        moved = math.hypot(next_x - x, next_y - y)
         if not inside or segment_distance(border, x, y, next_x, next_y, 1e-9) == 0.0:
             step *= 0.5
             continue
-        moved = math.hypot(next_x - x, next_y - y)
-        if moved < _SMALLEST_STEP:
-            break
+        next_dx, next_dy, next_left = direction(chain, hull, disks, next_x, next_y, goal_image,
+                                                jacobian)
+        if next_left >= lefts.max() and step > _FINE_STEP:
+            step *= 0.5
+            continue
+        lefts[count % _MEMORY] = next_left
         way[count, 0], way[count, 1] = next_x, next_y
         count += 1
         length += moved
-        x, y, step = next_x, next_y, min(_STEP, 2.0 * step)
+        x, y, dx, dy = next_x, next_y, next_dx, next_dy
+        step = min(_STEP, 2.0 * step)
     return way[:count], False

@@ -21,6 +21,8 @@ PIECES = ('convex', 'triangles')
 
 # A point outside is taken for one this far inside [m], farther out than the next there is no way.
 _DEPTH = 1e-3
+# What is nearer to the hull than this counts as on it [m].
+_FLAT = 1e-7
 _FARTHEST = 0.05
 # mu_1 and mu_2 of the published switch, as published.
 _DECAY_OUTSIDE, _DECAY_COLLAR = 1.0, 0.01
@@ -126,8 +128,9 @@ def _on_hull(ring: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
     hull = shapely.MultiPoint(ring).convex_hull
     if not isinstance(hull, shapely.Polygon):
         raise MapError('the hull of the region has no area')
-    corners = {(x, y) for x, y in hull.exterior.coords}
-    return np.array([k for k, (x, y) in enumerate(ring.tolist()) if (x, y) in corners])
+    # Corners between those of the hull, on its edges, part bays from each other as well.
+    distances = shapely.distance(hull.exterior, shapely.points(ring))
+    return np.flatnonzero(distances <= _FLAT)
 
 
 def _bays(ring: FloatArray, on_hull: np.ndarray[tuple[int], np.dtype[np.int64]],
@@ -137,8 +140,10 @@ def _bays(ring: FloatArray, on_hull: np.ndarray[tuple[int], np.dtype[np.int64]],
     count = len(ring)
     for first, last in zip(on_hull, np.roll(on_hull, -1), strict=True):
         steps = int((last - first) % count)
-        if steps > 1:
-            bays.append(ring[(first + np.arange(steps, -1, -1)) % count])
+        bay = ring[(first + np.arange(steps, -1, -1)) % count]
+        mouth = shapely.LineString((bay[0], bay[-1]))
+        if steps > 1 and shapely.distance(mouth, shapely.points(bay)).max() > _FLAT:
+            bays.append(bay)
     return bays
 
 
@@ -167,7 +172,8 @@ def _collars(obstacles: list[list[Piece]], is_bay: list[bool], hull: FloatArray,
         else:
             collar = collar_of(piece, pieces[parents[number]].corners, width, segments, owners,
                                is_purged, number, parents[number])
-        is_purged[number] = True
+        # What is left of a disk's piece stays in the way of the others.
+        is_purged[number] = bool(collar.edge[:2].any())
         collars.append(collar)
     return collars
 

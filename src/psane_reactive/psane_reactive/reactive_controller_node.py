@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node `reactive_controller`: safe region, subgoal and odometry in, velocity commands out."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry
@@ -18,6 +20,8 @@ from psane_reactive.controller import ReactiveController
 from psane_reactive.conversions import motion_of, region_of, twist_of
 from psane_reactive.node_configuration import ReactiveNodeConfiguration
 
+_TROUBLES = (Mode.STOPPED, Mode.STUCK)
+
 
 class ReactiveControllerNode(Node):
     """Holds a `ReactiveController` on the graph."""
@@ -27,7 +31,9 @@ class ReactiveControllerNode(Node):
         self._settings = ParameterBridge(self, ReactiveNodeConfiguration).configuration
         self._bridge = ParameterBridge(self, ReactiveConfiguration, self._reconfigure)
         self._frame = self._bridge.configuration.map_frame
-        self._controller = ReactiveController(self._bridge.configuration)
+        # Maps are built beside the control loop, one at a time.
+        self._executor = ThreadPoolExecutor(max_workers=1)
+        self._controller = ReactiveController(self._bridge.configuration, self._executor)
         self._controller.warm_up()
         self._region: SafeRegion | None = None
         self._subgoal: FloatArray | None = None
@@ -48,7 +54,7 @@ class ReactiveControllerNode(Node):
 
     def _reconfigure(self, configuration: ReactiveConfiguration) -> None:
         """Steer by other parameters; region and subgoal are those of before."""
-        self._controller = ReactiveController(configuration)
+        self._controller = ReactiveController(configuration, self._executor)
         if self._region is not None:
             self._take_region(self._region)
 
@@ -73,9 +79,9 @@ class ReactiveControllerNode(Node):
         now = self._now()
         before, self._command = self._command, self._controller.command(now)
         self._publish(self._command, now)
-        if self._command.mode is Mode.STOPPED and (
+        if self._command.mode in _TROUBLES and (
                 before is None or before.reason != self._command.reason):
-            self.get_logger().info(f'stopped: {self._command.reason}',
+            self.get_logger().info(f'{self._command.mode.value}: {self._command.reason}',
                                    throttle_duration_sec=2.0)
 
     def _publish(self, command: Command, now: float) -> None:
@@ -90,7 +96,7 @@ class ReactiveControllerNode(Node):
         command = self._command
         if command is None:
             return DiagnosticStatus.WARN, 'no command yet', {}
-        level = DiagnosticStatus.WARN if command.mode is Mode.STOPPED else DiagnosticStatus.OK
+        level = DiagnosticStatus.WARN if command.mode in _TROUBLES else DiagnosticStatus.OK
         return level, f'{command.mode.value}: {command.reason}', vars(self._controller.counts)
 
 

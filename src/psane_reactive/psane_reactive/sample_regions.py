@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Regions like those that certification makes, drawn at random, for tests and benchmarks."""
 
+from collections.abc import Callable
+
 import numpy as np
 import shapely
 
@@ -43,12 +45,26 @@ def random_snake(random: np.random.Generator, steps: int = 60, width: float = 0.
 def star_world(random: np.random.Generator, holes: int = 8, side: float = 10.0,
                gap: float = 0.3) -> shapely.Polygon:
     """Return a square with star-shaped non-convex holes that keep `gap` [m] from each other."""
+    return _world(random, holes, side, gap, lambda: (int(random.integers(5, 13)), 1.2))
+
+
+def polygon_world(random: np.random.Generator, holes: int, corners: int) -> shapely.Polygon:
+    """Return a square of 10 m with exactly so many holes of so many corners, star-shaped."""
+    region = shapely.Polygon()
+    while len(region.interiors) != holes:
+        region = _world(random, holes, 10.0, 0.3, lambda: (corners, 0.9))
+    return region
+
+
+def _world(random: np.random.Generator, holes: int, side: float, gap: float,
+           shape: Callable[[], tuple[int, float]]) -> shapely.Polygon:
+    """Return a square with up to `holes` stars of corners and radius [m] that `shape` says."""
     outer = shapely.box(0.0, 0.0, side, side)
     taken: list[shapely.Polygon] = []
     for _ in range(50 * holes):
         if len(taken) == holes:
             break
-        star = _star(random, random.uniform(0.1 * side, 0.9 * side, 2))
+        star = _star(random, random.uniform(0.1 * side, 0.9 * side, 2), *shape())
         if (outer.buffer(-gap).contains(star)
                 and all(star.distance(other) >= gap for other in taken)):
             taken.append(star)
@@ -68,10 +84,10 @@ def random_points(random: np.random.Generator, region: shapely.Polygon, count: i
     return found[:count]
 
 
-def _star(random: np.random.Generator, centre: FloatArray) -> shapely.Polygon:
-    """Return a star-shaped polygon with random corners around a centre (2,) [m]."""
-    count = int(random.integers(5, 13))
+def _star(random: np.random.Generator, centre: FloatArray, count: int,
+          largest: float) -> shapely.Polygon:
+    """Return a star-shaped polygon with `count` random corners around a centre (2,) [m]."""
     angles = (np.arange(count) + random.uniform(-0.3, 0.3, count)) * 2.0 * np.pi / count
-    radii = random.uniform(0.3, 1.2, count)
+    radii = random.uniform(0.25 * largest, largest, count)
     corners = centre + radii[:, None] * np.column_stack((np.cos(angles), np.sin(angles)))
     return shapely.Polygon(corners)

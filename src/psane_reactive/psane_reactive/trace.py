@@ -23,6 +23,14 @@ def neighbours_of(triangles: IndexArray) -> IndexArray:
     return np.where(found, twin // 3, -1).reshape(-1, 3)
 
 
+def owners_of(triangles: IndexArray, starts: IndexArray, ends: IndexArray) -> IndexArray:
+    """Return the triangle that has each directed edge start-end, (k,)."""
+    count = int(triangles.max()) + 1
+    directed = triangles.ravel() * count + np.roll(triangles, -1, axis=1).ravel()
+    order = np.argsort(directed)
+    return order[np.searchsorted(directed, starts * count + ends, sorter=order)] // 3
+
+
 @njit(cache=True, error_model='numpy')  # type: ignore[misc]
 def barycentric(points: FloatArray, triangle: IndexArray, x: float, y: float,
                 ) -> tuple[float, float, float]:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from psane_mapping.errors import ParameterError
 from psane_mapping.parameters import Configuration, parameter
 
+SOIL_NAMES = ('granular', 'scm_published', 'scm_highlands', 'penetration', 'soft_contact', 'rigid')
+
 
 @dataclass(frozen=True, kw_only=True)
 class SimulatorConfiguration(Configuration):
@@ -58,9 +60,26 @@ class SimulatorConfiguration(Configuration):
         12.0, 'largest speed of a leg that is put down to stand', unit='rad/s', low=1.0,
         high=50.0, read_only=True)
 
-    soil_displacement: float = parameter(
-        0.0015, 'displacement at which the ground yields fully', unit='m', low=0.0001, high=0.02,
+    soil: str = parameter(
+        'granular', 'how the ground pushes: resistive force theory, the soil contact model (of '
+        'the published run, of a lunar highlands simulant), penetration resistance with dry '
+        'friction, springs and dampers, hard ground', choices=SOIL_NAMES, read_only=True)
+    footprints: bool = parameter(
+        False, 'ground that was pressed down stays down', read_only=True)
+    footprint_share: float = parameter(
+        0.5, 'share of a footprint that stays open when the foot leaves it', low=0.0, high=1.0,
         read_only=True)
+    footprint_refill_time: float = parameter(
+        0.0, 'time in which sand flows back into a footprint (0: it stays)', unit='s', low=0.0,
+        high=1e6, read_only=True)
+    footprint_compaction: float = parameter(
+        0.3, 'growth of the strength in a footprint of 5 cm', low=0.0, high=10.0, read_only=True)
+    footprint_cell: float = parameter(
+        0.02, 'edge of a cell of the field that holds the footprints', unit='m', low=0.005,
+        high=0.2, read_only=True)
+    soil_displacement: float = parameter(
+        0.0015, 'displacement at which granular ground yields fully', unit='m', low=0.0001,
+        high=0.02, read_only=True)
     soil_damping: float = parameter(
         0.002, 'time constant of the damping of small displacements', unit='s', low=0.0,
         high=0.02, read_only=True)

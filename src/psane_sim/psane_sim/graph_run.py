@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run on a real ROS 2 graph: five nodes, each its own process, on this machine alone."""
 
-import os
 import sys
 import time
 from collections.abc import Callable
@@ -18,7 +17,13 @@ from psane_sim.closed_loop import ENDINGS
 from psane_sim.demo_options import Assignment
 from psane_sim.errors import GraphError
 from psane_sim.observer import Observer
-from psane_sim.processes import Death, Processes, executable, ros_arguments
+from psane_sim.processes import (
+    Death,
+    Processes,
+    executable,
+    ros_arguments,
+    use_private_graph,
+)
 from psane_sim.progress import Progress
 from psane_sim.run_record import RunRecord
 from psane_sim.scoring import Score, Scorer
@@ -51,13 +56,6 @@ class GraphSettings:
     out: Path
     pace: float
     gui: bool
-
-
-def use_private_graph() -> None:
-    """Keep the graph on this machine, on a domain of its own unless the user named one."""
-    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
-    os.environ.pop('ROS_LOCALHOST_ONLY', None)
-    os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
 
 
 class GraphRun:

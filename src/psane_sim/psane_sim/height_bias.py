@@ -49,9 +49,9 @@ def offset_of(measured: FloatArray, response: FloatArray, deeper: FloatArray,
 
     Notes
     -----
-    Least squares with Huber's weights in ``measured = a response + (a b) (deeper - response) / step``
-    for strength `a` and offset `b`. The number of samples is divided by ``(1 + r) / (1 - r)``, with
-    the correlation `r` of neighbouring residuals.
+    Least squares with Huber's weights in ``measured = a response + (a b) (deeper - response) /
+    step`` for strength `a` and offset `b`. The number of samples is divided by ``(1 + r) /
+    (1 - r)``, with the correlation `r` of neighbouring residuals.
     """
     first = response / deviation
     second = (deeper - response) / (step * deviation)

@@ -15,7 +15,8 @@ from psane_sim.engine import GRAVITY, Engine
 from psane_sim.errors import FallenError, StartError
 from psane_sim.gait import Gait
 from psane_sim.render import Camera, Renderer, add_ground
-from psane_sim.soil import BODY, GranularSoil, GroundLoad, Soil
+from psane_sim.soil import BODY, GroundLoad, Soil
+from psane_sim.soil_choice import soil_of
 from psane_sim.terrain import Terrain
 from psane_sim.truth import Truth
 
@@ -43,7 +44,7 @@ class HexapodSimulator:
         Map frame [m], [rad]; the terrain's own start, facing its goal, if there is none.
     robot : RobotModel, optional
     soil : Soil, optional
-        Granular ground with the terrain's strength if there is none.
+        The soil of the configuration with the terrain's strength if there is none.
 
     Raises
     ------
@@ -58,9 +59,7 @@ class HexapodSimulator:
         self.config = config
         self.terrain = terrain
         self.robot = robot or RobotModel()
-        self.soil: Soil = soil or GranularSoil(
-            self.robot, terrain.strength_field, displacement=config.soil_displacement,
-            damping=config.soil_damping)
+        self.soil: Soil = soil or soil_of(config, self.robot, terrain)
         self.gait = Gait(config)
         self._renderer: Renderer | None = None
         self._load = GroundLoad.zeros()
@@ -70,7 +69,8 @@ class HexapodSimulator:
         self.engine = Engine(self.robot, config.time_step, gui=config.gui)
         if config.gui:
             add_ground(terrain, self.engine.client)
-        height = 2.0 * self.robot.leg_radius - float(self.robot.hips[0, 2])
+        height = (terrain.height_at(pose[0], pose[1]) + 2.0 * self.robot.leg_radius
+                  - float(self.robot.hips[0, 2]))
         self.engine.place(pose[0], pose[1], height, pose[2])
         self.step(round(config.settling_time / config.time_step))
         self._ticks = 0

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """How body and legs moved over the last seconds, from everything that was measured of it.
 
-Nothing is estimated while the robot moves: when a stance has ended, its whole record is smoothed at
-once, with measurements from before and after each instant.
+Nothing is estimated while the robot moves: when a stance has ended, its whole record is smoothed
+at once, with measurements from before and after each instant.
 """
 
 from collections import deque

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Starts nodes as processes, watches over them, and always stops them again."""
 
+import os
 import shutil
 import signal
 import subprocess
@@ -53,6 +54,13 @@ def executable(package: str, name: str) -> Path:
     if not path.is_file():
         raise GraphError(f'{path} does not exist: build the workspace (./psane build)')
     return path
+
+
+def use_private_graph() -> None:
+    """Keep the graph on this machine, on a domain of its own unless the user named one."""
+    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+    os.environ.pop('ROS_LOCALHOST_ONLY', None)
+    os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
 
 
 def ros_arguments(parameters: Mapping[str, object]) -> list[str]:

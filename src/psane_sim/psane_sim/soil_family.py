@@ -17,8 +17,13 @@ from psane_sim.element_soil import SoilLaw
 from psane_sim.soil_laws import COLUMN, CONTACT, GRANULAR
 from psane_sim.strength_field import StrengthField
 
-PUBLISHED_PATCH = 0.2
-"""Width b of the loaded patch in k_c / b of the published run, whose k_c is below 0 [m]."""
+PUBLISHED_PATCH = 0.57
+"""Width b of the loaded patch in k_c / b of the published run, whose k_c is below 0: the body's
+length, since any much shorter one leaves no resistance at all [m]."""
+
+PASSIVE_SHARE = 0.37
+"""Pressure on an upright plate as a share of that on a level one, as resistive force theory has it
+at strength 1 [-]."""
 
 RIGID_STIFFNESS = 5.0e7
 """Of ground that is called rigid: a leg goes about a millimetre deep [Pa/m]."""
@@ -42,10 +47,10 @@ def granular_law(field: StrengthField, *, displacement: float = 0.0015, damping:
 
 
 def _column_law(log_modulus: FloatArray, *, cohesion: float, friction_angle: float,
-                shear_length: float, stiffening: float = 8.0, viscosity: float = 5.0e4,
+                shear_length: float, stiffening: float = 8.0, viscosity: float = 0.0125,
                 exponent: float = 1.0) -> SoilLaw:
     settings = np.array([cohesion, math.tan(friction_angle), shear_length, stiffening, viscosity,
-                         exponent])
+                         exponent, PASSIVE_SHARE])
     return SoilLaw(COLUMN, settings, log_modulus)
 
 
@@ -57,7 +62,9 @@ def scm_published_law(field: StrengthField) -> SoilLaw:
     n = 1, k_c = -100e3, cohesion 1.6e3 Pa, friction 31.1 deg, Janosi 0.012 m, elastic stiffness
     8 k_phi, damping 5e4; k_phi = 4e6 - 6e6 r for a risk r <= .5 and
     0.2e6 + 0.8e6 exp(-12 (r - .5) / .5) above. The risk is the calibrated slip of the strength.
-    The width b was not published. Where k_c / b eats up k_phi, a twentieth of k_phi remains.
+    The damping is 5e4 Pa s/m at r = 0 and in proportion to the modulus elsewhere: a constant one
+    would carry the robot on the weakest ground. The width b was not published. Where k_c / b eats
+    up k_phi, a twentieth of k_phi remains.
     """
     risk = CalibratedSlipCurve().slip(np.exp(field.log_strength))
     frictional = np.where(risk <= 0.5, 4.0e6 - 6.0e6 * risk,
@@ -84,18 +91,18 @@ def scm_highlands_law(field: StrengthField) -> SoilLaw:
 def penetration_law(field: StrengthField) -> SoilLaw:
     """Return penetration resistance F = k z with Coulomb's friction as its shear."""
     return _column_law(field.log_strength + math.log(NEWTON_PER_CUBIC_METRE), cohesion=0.0,
-                       friction_angle=math.radians(30.0), shear_length=0.0015, viscosity=0.0)
+                       friction_angle=math.radians(30.0), shear_length=0.005)
 
 
 def soft_contact_law(field: StrengthField) -> SoilLaw:
     """Return springs and dampers with dry friction, as a rigid-body engine's soft contacts."""
-    return SoilLaw(CONTACT, np.array([0.7, 2.0]),
+    return SoilLaw(CONTACT, np.array([0.7, 0.6]),
                    field.log_strength + math.log(NEWTON_PER_CUBIC_METRE))
 
 
 def rigid_law(field: StrengthField) -> SoilLaw:
     """Return hard ground with dry friction, the same at every strength."""
-    return SoilLaw(CONTACT, np.array([0.8, 2.0]),
+    return SoilLaw(CONTACT, np.array([0.8, 0.6]),
                    np.full(field.log_strength.shape, math.log(RIGID_STIFFNESS)))
 
 

@@ -28,7 +28,10 @@ REFERENCE_DEPTH = 0.05
 [m]."""
 
 # Settings of the column law.
-COHESION, FRICTION, SHEAR_LENGTH, STIFFENING, VISCOSITY, EXPONENT = 0, 1, 2, 3, 4, 5
+COHESION, FRICTION, SHEAR_LENGTH, STIFFENING, VISCOSITY, EXPONENT, PASSIVE = 0, 1, 2, 3, 4, 5, 6
+
+SHEAR_DAMPING = 0.004
+"""Time constant of small shear displacements: without it a standing robot would tremble [s]."""
 
 # Settings of the contact law.
 CONTACT_FRICTION, CONTACT_DAMPING = 0, 1
@@ -70,9 +73,11 @@ def column(memory: FloatArray, settings: FloatArray, modulus: float, depth: floa
     (c + p tan phi)(1 - exp(-j / K)) (Janosi and Hanamoto 1961), with c + p tan phi as Mohr and
     Coulomb have it. The shear displacement j is a vector that is cut off at 3 K and shrinks when
     the limit grows, so that no cycle gains energy; for the same reason a plate that turns its face
-    to the load keeps its force, not its strain.
+    to the load keeps its force, not its strain. An upright plate that is pushed sideways meets a
+    share of the pressure that a level one would, which takes part in the shear.
     """
     flat = area * abs(nz)
+    upright = area * math.sqrt(max(0.0, 1.0 - nz * nz))
     strain = depth - memory[_PLASTIC]
     if memory[_OLD_AREA] > 0.0 and flat > memory[_OLD_AREA]:
         strain *= memory[_OLD_AREA] / flat
@@ -82,22 +87,26 @@ def column(memory: FloatArray, settings: FloatArray, modulus: float, depth: floa
     strain = min(strain, limit / elastic)
     memory[_PLASTIC] = depth - strain
     pressure = max(0.0, elastic * strain)
-    bearing = settings[COHESION] + pressure * settings[FRICTION]
+    push = 0.0
+    if pressure > 0.0:
+        push = flat * (pressure + settings[VISCOSITY] * modulus * max(0.0, -vz))
+    bearing = upright * settings[PASSIVE] * limit
+    if pressure > 0.0:
+        bearing += flat * (settings[COHESION] + settings[FRICTION] * pressure)
     if memory[_OLD_LIMIT] > 0.0 and bearing > memory[_OLD_LIMIT]:
         memory[0] *= memory[_OLD_LIMIT] / bearing
         memory[1] *= memory[_OLD_LIMIT] / bearing
     memory[_OLD_LIMIT] = bearing
-    if pressure == 0.0:
-        return 0.0, 0.0, 0.0
     length = settings[SHEAR_LENGTH]
     jx, jy = memory[0] + vx * dt, memory[1] + vy * dt
     moved = math.sqrt(jx * jx + jy * jy)
     if moved > 3.0 * length:
-        jx, jy, moved = jx * 3.0 * length / moved, jy * 3.0 * length / moved, 3.0 * length
+        jx, jy = jx * 3.0 * length / moved, jy * 3.0 * length / moved
     memory[0], memory[1] = jx, jy
-    shear = bearing * flat * (1.0 - math.exp(-moved / length)) / max(moved, 1.0e-12)
-    push = (pressure + settings[VISCOSITY] * max(0.0, -vz)) * flat
-    return -shear * jx, -shear * jy, push
+    ex, ey = jx + SHEAR_DAMPING * vx, jy + SHEAR_DAMPING * vy
+    moved = math.sqrt(ex * ex + ey * ey)
+    shear = bearing * (1.0 - math.exp(-moved / length)) / max(moved, 1.0e-12)
+    return -shear * ex, -shear * ey, push
 
 
 @njit(cache=True, inline='always', error_model='numpy')

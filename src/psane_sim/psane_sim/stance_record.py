@@ -76,8 +76,8 @@ class StanceReader:
         return StanceReading(
             depth=response.depth, measured=measured,
             response=_channels(response, configuration.moment_arm),
-            deviation=_deviation(measured, response.speed, configuration), place=body.position + response.place,
-            has_velocity=body.has_velocity)
+            deviation=_deviation(measured, response.speed, configuration),
+            place=body.position + response.place, has_velocity=body.has_velocity)
 
     def height_offset(self, leg: int, instants: list[Instant], body: BodyMotion, felt: BoolArray,
                       configuration: TouchConfiguration) -> HeightOffset | None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from psane_mapping.grid import FloatArray, Grid
 from psane_mapping.slip import CalibratedSlipCurve
+from psane_sim.ground_surface import HeightField, height_at
 from psane_sim.strength_field import StrengthField, interpolate
 
 WORKSPACE = (0.0, 0.0, 10.0, 10.0)
@@ -73,6 +74,8 @@ class Terrain:
     strength_field : StrengthField
     start, goal : (x, y)
         Where a mission begins and ends unless it is told otherwise, map frame [m].
+    height_field : HeightField, optional
+        Heights of the ground; it is level at 0 if there are none.
     """
 
     name: str
@@ -82,6 +85,7 @@ class Terrain:
     start: tuple[float, float] = (2.0, 5.0)
     goal: tuple[float, float] = (7.0, 1.5)
     extent: tuple[float, float, float, float] = field(default=WORKSPACE)
+    height_field: HeightField | None = None
 
     @classmethod
     def from_slip(cls, name: str, slip: FloatArray, start: tuple[float, float],
@@ -131,6 +135,10 @@ class Terrain:
         inside: NDArray[np.bool_] = ((points[..., 0] >= min_x) & (points[..., 0] <= max_x)
                                      & (points[..., 1] >= min_y) & (points[..., 1] <= max_y))
         return np.where(inside, interpolate(self.grid, self.slip, points), 1.0)
+
+    def height_at(self, x: float, y: float) -> float:
+        """Return the height of the undisturbed ground [m]."""
+        return 0.0 if self.height_field is None else height_at(self.height_field.relief, x, y)
 
     def strength(self, points: FloatArray) -> FloatArray:
         """Return the strength at points (..., 2), map frame [m]."""
