@@ -43,7 +43,7 @@ def lipschitz_union_by_pairs(previous, upper, config, resolution):
 @given(SEEDS)
 def test_intervals_only_narrow_except_where_they_are_reset(seed):
     draw = np.random.default_rng(seed)
-    intervals = ConfidenceIntervals(GRID.shape, 4.0)
+    intervals = ConfidenceIntervals(GRID.shape, 4.0, 1.0)
     before = intervals.update(draw.uniform(0, 1, GRID.shape), draw.uniform(0, 0.3, GRID.shape))
     for _ in range(4):
         mean, std = draw.uniform(0, 1, GRID.shape), draw.uniform(0, 0.3, GRID.shape)
@@ -58,14 +58,14 @@ def test_intervals_only_narrow_except_where_they_are_reset(seed):
 
 
 def test_resets_are_counted_over_all_updates():
-    intervals = ConfidenceIntervals((1, 2), 4.0)
+    intervals = ConfidenceIntervals((1, 2), 4.0, 1.0)
     for mean in (0.1, 0.9, 0.1):
         intervals.update(np.full((1, 2), mean), np.full((1, 2), 0.01))
     assert intervals.total_resets == 4
 
 
 def test_a_cell_that_lost_its_estimate_starts_over():
-    intervals = ConfidenceIntervals((1, 2), 4.0)
+    intervals = ConfidenceIntervals((1, 2), 4.0, 1.0)
     intervals.update(np.array([[0.1, 0.1]]), np.array([[0.01, 0.01]]))
     bounds = intervals.update(np.array([[np.nan, 0.1]]), np.array([[0.01, 0.01]]))
     assert bounds.upper[0, 0] == np.inf and bounds.lower[0, 0] == -np.inf
@@ -78,7 +78,7 @@ def test_a_cell_that_lost_its_estimate_starts_over():
     (np.zeros((1, 2)), np.array([[-0.1, 0.0]]), 'negative')])
 def test_a_map_that_means_nothing_is_refused_with_a_sentence(mean, std, word):
     with pytest.raises(MapError, match=word):
-        ConfidenceIntervals((1, 2), 4.0).update(mean, std)
+        ConfidenceIntervals((1, 2), 4.0, 1.0).update(mean, std)
 
 
 @settings(max_examples=60, deadline=None)
@@ -138,29 +138,59 @@ def test_a_disc_reaches_exactly_to_the_threshold_and_no_further():
 def test_certificates_respect_threshold_border_and_keep_out(rule, seed):
     draw = np.random.default_rng(seed)
     config = PlannerConfiguration(certification=rule)
-    safe_set, intervals = SafeSet(config, GRID), ConfidenceIntervals(GRID.shape, 4.0)
+    safe_set, intervals = SafeSet(config, GRID), ConfidenceIntervals(GRID.shape, 4.0, 1.0)
     keep_out = draw.uniform(size=GRID.shape) < 0.05
     admissible = admissible_cells(GRID, config.border_width, keep_out)
     near_border = GRID.distance_to_border() <= 0.3 + 1e-9
     for _ in range(4):
         mean = smooth_field(draw)
-        bounds = intervals.update(mean, np.full(GRID.shape, 0.08))
-        certified = safe_set.update(bounds, mean, admissible, CENTRE)
+        std = np.full(GRID.shape, 0.08)
+        bounds = intervals.update(mean, std)
+        certified = safe_set.update(bounds, std, admissible, CENTRE)
         assert not (certified & (near_border | keep_out)).any()
         if rule == 'bound':
             assert (bounds.upper[certified] <= 0.5).all()
-            assert (mean[certified] <= 0.5).all()
+            assert (mean[certified] + 0.08 <= 0.5).all()
 
 
-def test_a_certificate_is_revoked_when_the_mean_rises_above_the_threshold():
+@pytest.mark.parametrize(('mean', 'std', 'is_kept'), [
+    (0.56, 0.1, False), (0.45, 0.1, False), (0.38, 0.1, True)])
+def test_a_certificate_is_revoked_when_the_newest_map_speaks_against_it(mean, std, is_kept):
     safe_set, intervals = SafeSet(PlannerConfiguration(), GRID), ConfidenceIntervals(
-        GRID.shape, 4.0)
+        GRID.shape, 4.0, 1.0)
     everywhere = np.ones(GRID.shape, bool)
-    for mean, std, expected in ((0.3, 0.05, True), (0.56, 0.1, False)):
-        field = np.full(GRID.shape, mean)
-        bounds = intervals.update(field, np.full(GRID.shape, std))
+    for value, deviation, expected in ((0.3, 0.05, True), (mean, std, is_kept)):
+        spread = np.full(GRID.shape, deviation)
+        bounds = intervals.update(np.full(GRID.shape, value), spread)
         assert (bounds.upper <= 0.5).all(), 'the old interval alone would still certify'
-        assert safe_set.update(bounds, field, everywhere, CENTRE).all() == expected
+        assert safe_set.update(bounds, spread, everywhere, CENTRE).all() == expected
+
+
+@settings(max_examples=25, deadline=None)
+@given(SEEDS)
+def test_no_cell_is_certified_beyond_the_reach_of_what_was_felt(seed):
+    draw = np.random.default_rng(seed)
+    config = PlannerConfiguration()
+    mean = 0.4 * smooth_field(draw)
+    std = np.where(draw.uniform(size=GRID.shape) < 0.03, 0.05, 0.102)
+    bounds = ConfidenceIntervals(GRID.shape, 0.0, 1.0).update(mean, std)
+    certified = SafeSet(config, GRID).update(bounds, std, np.ones(GRID.shape, bool), CENTRE)
+    rows, columns = np.indices(GRID.shape)
+    reached = np.zeros(GRID.shape, bool)
+    for r, c in np.argwhere(std <= config.felt_deviation):
+        away = GRID.resolution * np.hypot(rows - r, columns - c)
+        reached |= mean[r, c] + std[r, c] + config.felt_slope * away <= config.slip_threshold
+    np.testing.assert_array_equal(certified, reached & (mean + std <= config.slip_threshold))
+
+
+def test_a_slope_of_zero_trusts_the_map_alone():
+    config = PlannerConfiguration(felt_slope=0.0)
+    std = np.full(GRID.shape, 0.15)
+    bounds = ConfidenceIntervals(GRID.shape, 4.0, 1.0).update(np.zeros(GRID.shape), std)
+    everywhere = np.ones(GRID.shape, bool)
+    assert SafeSet(config, GRID).update(bounds, std, everywhere, CENTRE).all()
+    assert not SafeSet(PlannerConfiguration(), GRID).update(bounds, std, everywhere,
+                                                            CENTRE).any()
 
 
 @settings(max_examples=20, deadline=None)
@@ -168,13 +198,14 @@ def test_a_certificate_is_revoked_when_the_mean_rises_above_the_threshold():
 def test_monotone_sets_never_shrink(seed, rule):
     draw = np.random.default_rng(seed)
     config = PlannerConfiguration(certification=rule, monotone=True)
-    safe_set, intervals = SafeSet(config, GRID), ConfidenceIntervals(GRID.shape, 4.0)
+    safe_set, intervals = SafeSet(config, GRID), ConfidenceIntervals(GRID.shape, 4.0, 1.0)
     admissible = admissible_cells(GRID, config.border_width)
     before = np.zeros(GRID.shape, bool)
     for _ in range(5):
         mean = smooth_field(draw)
-        bounds = intervals.update(mean, np.full(GRID.shape, draw.uniform(0.02, 0.1)))
-        after = safe_set.update(bounds, mean, admissible, CENTRE)
+        std = np.full(GRID.shape, draw.uniform(0.02, 0.1))
+        bounds = intervals.update(mean, std)
+        after = safe_set.update(bounds, std, admissible, CENTRE)
         assert not (before & ~after).any()
         before = after
 
@@ -183,7 +214,7 @@ def test_the_first_lipschitz_set_is_the_component_around_the_robot():
     upper = np.full(GRID.shape, 0.9)
     upper[8:16, 10:18] = 0.4
     upper[8:16, 22:27] = 0.4
-    bounds = Bounds(np.zeros(GRID.shape), upper, 0)
+    bounds = Bounds(np.zeros(GRID.shape), upper, upper, 0)
     safe_set = SafeSet(PlannerConfiguration(certification='lipschitz'), GRID)
     first = safe_set.update(bounds, np.zeros(GRID.shape), admissible_cells(GRID, 0.3),
                             np.array((1.3, 1.2)))

@@ -35,7 +35,7 @@ def test_the_default_crosses_the_smooth_environment_on_safe_ground(seed):
 
 @pytest.mark.parametrize('details', [
     {'strategy': 'psane'}, {'certification': 'lipschitz'},
-    {'strategy': 'pgh', 'monotone': True}])
+    {'strategy': 'pgh', 'monotone': True, 'revocation_scale': 0.0, 'felt_slope': 0.0}])
 def test_the_other_ways_of_planning_are_safe_and_arrive_too(details):
     outcome = drive(SlipField.smooth(), START, GOAL, 0, **details)
     assert outcome.plan.state is PlannerState.REACHED, outcome.plan.cause

@@ -40,7 +40,7 @@ def test_forward_arcs_are_never_tighter_than_the_gait_walks(x, y, yaw, target_x,
 
 
 def test_a_moderate_heading_error_is_turned_while_driving_where_there_is_room():
-    for error, turns in ((0.5, False), (1.2, False), (1.4, True)):
+    for error, turns in ((0.5, False), (1.1, False), (1.3, True)):
         law = UnicycleLaw(SETTINGS)
         target = np.array((3.0 + math.cos(error), 3.0 + math.sin(error)))
         velocity = law.velocity(Pose(3.0, 3.0, 0.0), target, 1.0, BORDER, False)

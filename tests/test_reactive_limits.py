@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from psane_mapping.errors import ParameterError
 from psane_reactive.configuration import ReactiveConfiguration
-from psane_reactive.limits import Velocity, limited, rate_limited, wrap
+from psane_reactive.limits import Velocity, limited, rate_limited, walkable, wrap
 
 SETTINGS = ReactiveConfiguration()
 TIGHT = ReactiveConfiguration(sweep_limit=1.0)
@@ -64,3 +64,15 @@ def test_a_wrapped_angle_is_the_same_angle_within_half_a_turn(angle):
 def test_a_bad_parameter_is_refused_by_its_name(name, value):
     with pytest.raises(ParameterError, match=name):
         ReactiveConfiguration(**{name: value})
+
+
+@given(st.floats(-0.3, 0.3), st.floats(-0.4, 0.4))
+def test_what_is_walked_is_never_a_tighter_arc_and_turns_in_place_stay(linear, angular):
+    settings = ReactiveConfiguration()
+    walked = walkable(Velocity(linear, angular), settings)
+    assert walked.linear == linear
+    if linear == 0.0:
+        assert walked.angular == angular
+    else:
+        assert abs(walked.angular) <= abs(linear) / settings.arc_radius + 1e-12
+        assert walked.angular * angular >= 0.0

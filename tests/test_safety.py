@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from psane_mapping.mapper import TerrainMapper
 from psane_planner.planner import SafePlanner
 from psane_sim.catalogue import load_terrain

@@ -17,7 +17,8 @@ CORE_CLASSES = {
     'HexapodSimulator': 'psane_sim/psane_sim/hexapod_sim_node.py',
     'Sensors': 'psane_sim/psane_sim/hexapod_sim_node.py',
     'ContactSensor': 'psane_sim/psane_sim/contact_sensor_node.py',
-    'TerrainMapper': 'psane_mapping/psane_mapping/terrain_mapper_node.py',
+    # The node's keeper holds the mapper, with the files of its map.
+    'TerrainMapper': 'psane_mapping/psane_mapping/map_keeper.py',
     'SafePlanner': 'psane_planner/psane_planner/safe_planner_node.py',
     'ReactiveController': 'psane_reactive/psane_reactive/reactive_controller_node.py',
 }
@@ -109,6 +110,11 @@ def test_nodes_and_the_loop_in_one_process_make_the_same_classes(name):
     in_loop = classes_called('psane_sim/psane_sim/closed_loop.py')
     assert name in in_node
     assert in_node[name] == in_loop[name] is not None
+
+
+def test_the_mapper_node_holds_the_keeper_that_makes_the_mapper():
+    called = classes_called('psane_mapping/psane_mapping/terrain_mapper_node.py')
+    assert called['MapKeeper'] == 'psane_mapping.map_keeper'
 
 
 def test_nothing_behind_the_published_topics_can_read_the_truth():

@@ -49,13 +49,15 @@ class MappingConfiguration(Configuration):
     most_strength: float = parameter(
         1000.0, 'strengths above this, or below its inverse, are rejected', low=10.0, high=1e9)
     height_bias_deviation: float = parameter(
-        0.005, 'standard deviation of the bias of the height over ground', unit='m',
+        0.0012, 'standard deviation of what the contact sensor leaves of the bias of the height '
+        'over ground (0.005 for one that does not learn the height)', unit='m',
         low=0.0, high=0.2)
     depth_exponent: float = parameter(
         1.4, 'power of depth with which the force of a leg grows (1.5 for a shallow arc, 1.1 for '
         'one sunk to its hip)', low=0.5, high=3.0)
     model_deviation: float = parameter(
-        0.05, 'standard deviation of log-strength in deep, quiet stances', low=0.0, high=1.0)
+        0.035, 'standard deviation of log-strength in deep, quiet stances (for ground that is not '
+        'as the model says, see touch_report)', low=0.0, high=1.0)
     fit_model_deviation: float = parameter(
         0.45, 'the same for the linear fit, whose stiffness is not one number', low=0.0, high=3.0)
     fit_stiffness: float = parameter(

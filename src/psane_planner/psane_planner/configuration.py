@@ -25,7 +25,7 @@ class PlannerConfiguration(Configuration):
         0.1, 'standard deviation of slip below which ground counts as felt (bound)',
         low=0.0, high=1.0)
     felt_slope: float = parameter(
-        1.0, 'steepest rise of slip reckoned with beyond felt ground; 0 trusts the map alone '
+        1.4, 'steepest rise of slip reckoned with beyond felt ground; 0 trusts the map alone '
         '(bound)', unit='1/m', low=0.0, high=100.0)
     lipschitz_constant: float = parameter(
         2.0, 'L: steepest change of slip that is believed possible', unit='1/m',
@@ -95,6 +95,27 @@ class PlannerConfiguration(Configuration):
     patience: float = parameter(
         180.0, 'longest time without growth of the certified area before stalled', unit='s',
         low=5.0, high=7200.0)
+    stride_time: float = parameter(
+        1.4, 'length of the steady walk whose slip is compared with the felt one', unit='s',
+        low=0.2, high=20.0)
+    stride_least_speed: float = parameter(
+        0.15, 'speed asked for below which strides are not compared', unit='m/s', low=0.01,
+        high=2.0)
+    stride_most_turn: float = parameter(
+        0.3, 'yaw rate asked for above which strides are not compared', unit='rad/s', low=0.0,
+        high=2.0)
+    stride_firm_slip: float = parameter(
+        0.081, 'slip on firm ground that the gait makes up for', low=0.0, high=0.9)
+    stride_allowance: float = parameter(
+        0.2, 'slip above the felt one that steering and speeding up account for', low=0.0,
+        high=1.0)
+    stride_deviation: float = parameter(
+        0.1, 'noise of the slip of one such walk', low=0.005, high=2.0)
+    stride_prior_deviation: float = parameter(
+        0.15, 'how far off felt strength may be throughout, deviation of its logarithm; 0 does '
+        'not compare', low=0.0, high=2.0)
+    weakest_factor: float = parameter(
+        0.6, 'true over felt strength below which the robot stops', low=0.0, high=1.0)
     lost_distance: float = parameter(
         0.3, 'distance outside certified ground beyond which the robot is lost', unit='m',
         low=0.05, high=5.0)

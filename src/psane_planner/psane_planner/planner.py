@@ -21,6 +21,7 @@ from psane_planner.scene import Scene
 from psane_planner.scores import FrontierScores
 from psane_planner.status import Decision, Plan
 from psane_planner.strategies import make_strategy
+from psane_planner.stride_monitor import StrideMonitor
 
 
 class SafePlanner:
@@ -40,6 +41,8 @@ class SafePlanner:
         """Forget everything, as after the map was reset."""
         self._intervals = self._wide_open(self.configuration)
         self._safe_set = SafeSet(self.configuration, self.grid)
+        self._felt: FloatArray | None = None
+        self.strides = StrideMonitor(self.configuration)
         self._was_certified = False
         self._had_region = False
         self._is_lost = False
@@ -86,6 +89,21 @@ class SafePlanner:
         """Return a plan that asks for nothing, for a robot without a task."""
         return self._pack(verdicts.IDLE, None, self._empty_scene(None, now), None)
 
+    def note_motion(self, pose: FloatArray, linear: float, angular: float, now: float) -> None:
+        """Tell how the robot moves, so that felt and measured slip can be compared.
+
+        Parameters
+        ----------
+        pose : (3,) float, map frame [m, m, rad]
+        linear, angular : float
+            Velocities that are asked of the robot [m/s], [rad/s].
+        now : float [s]
+        """
+        row, column = self.grid.index_of(pose[:2])
+        is_known = self._felt is not None and bool(self.grid.contains(pose[:2]))
+        felt = float(self._felt[row, column]) if is_known and self._felt is not None else math.nan
+        self.strides.note(now, pose, linear, angular, felt)
+
     def update(self, slip_mean: FloatArray | None, slip_std: FloatArray | None,
                pose: FloatArray | None, goal: FloatArray | None, now: float,
                keep_out: Mask | None = None) -> Plan:
@@ -116,9 +134,10 @@ class SafePlanner:
         if slip_mean is None or slip_std is None or pose is None or position is None:
             return self._pack(verdicts.WAITING, None, self._empty_scene(goal, now), position)
         admissible = self._admissible(keep_out)
-        bounds = self._intervals.update(np.asarray(slip_mean, dtype=np.float64),
-                                        np.asarray(slip_std, dtype=np.float64))
-        certified = self._safe_set.update(bounds, np.asarray(slip_std), admissible, position)
+        self._felt = np.asarray(slip_mean, dtype=np.float64)
+        std = np.asarray(slip_std, dtype=np.float64)
+        bounds = self._intervals.update(self.strides.pessimistic(self._felt), std)
+        certified = self._safe_set.update(bounds, std, admissible, position)
         component = component_around(certified, self.grid, position)
         self._note_lost(component)
         region = self._region(certified, component, position)
@@ -126,6 +145,8 @@ class SafePlanner:
                       admissible=admissible, certified=certified, component=component.mask,
                       outside_distance=component.outside_distance, is_lost=self._is_lost,
                       region=region)
+        if self.strides.is_too_weak and self._strategy.traits.is_certified:
+            return self._pack(verdicts.too_weak(self.strides.weakening), None, scene, position)
         decision, scores = self._mission.decide(scene)
         return self._pack(decision, scores, scene, position)
 
@@ -164,8 +185,8 @@ class SafePlanner:
         nothing = np.zeros(self.grid.shape, dtype=np.bool_)
         high = np.full(self.grid.shape, np.inf)
         unknown = Bounds(-high, high, high, 0)
-        return Scene(now=now, position=np.full(2, np.nan), heading=math.nan, goal=goal, bounds=unknown,
-                     admissible=nothing, certified=nothing, component=nothing,
+        return Scene(now=now, position=np.full(2, np.nan), heading=math.nan, goal=goal,
+                     bounds=unknown, admissible=nothing, certified=nothing, component=nothing,
                      outside_distance=math.inf, is_lost=False, region=None)
 
     def _pack(self, decision: Decision, scores: FrontierScores | None, scene: Scene,

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The words for every situation in which the robot does not simply go on."""
 
+import math
+
 from psane_mapping.grid import FloatArray
 from psane_planner.configuration import PlannerConfiguration
 from psane_planner.goal import Refusal
@@ -43,6 +45,21 @@ def without_region(scene: Scene, lasted: float, configuration: PlannerConfigurat
         state=PlannerState.STALLED, march=True,
         cause=f'{what}, after {lasted:.0f} s of feeling it on the spot',
         remedy='start on firmer ground, check that contacts arrive, or raise slip_threshold')
+
+
+def too_weak(weakening: float) -> Decision:
+    """Stop, because strides slip far more than touch promised.
+
+    Parameters
+    ----------
+    weakening : float [-]
+        Logarithm of true over felt strength.
+    """
+    return Decision(
+        state=PlannerState.STALLED,
+        cause=f'strides slip as on ground {100.0 * (1.0 - math.exp(weakening)):.0f} % weaker '
+              'than touch says; the map cannot be trusted',
+        remedy='calibrate touch and slip for this robot and ground, or lower slip_threshold')
 
 
 def lost(scene: Scene, subgoal: FloatArray) -> Decision:

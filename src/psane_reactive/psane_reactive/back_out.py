@@ -9,7 +9,7 @@ from psane_mapping.grid import FloatArray
 from psane_reactive.clearance import Border
 from psane_reactive.configuration import ReactiveConfiguration
 from psane_reactive.law import Pose
-from psane_reactive.limits import Velocity, clip, wrap
+from psane_reactive.limits import Velocity, clip, walkable, wrap
 from psane_reactive.safety_stop import SafetyStop
 
 _SPACING = 0.05
@@ -93,4 +93,4 @@ class BackOut:
             if np.hypot(*(place - pose.position)) >= _AIM and abs(error) < 0.8:
                 angular = clip(settings.heading_gain * error, 0.5 * settings.angular_limit)
                 break
-        return Velocity(-settings.retreat_speed, angular)
+        return walkable(Velocity(-settings.retreat_speed, angular), settings)

@@ -83,7 +83,7 @@ class ReactiveConfiguration(Configuration):
     slowest: float = parameter(0.05, 'speed that the profiles do not go below', unit='m/s',
                                low=0.005, high=0.5)
     turn_first_above: float = parameter(
-        1.3, 'heading error above which the robot turns before it drives', unit='rad', low=0.1,
+        1.2, 'heading error above which the robot turns before it drives', unit='rad', low=0.1,
         high=3.0)
     turn_until: float = parameter(
         0.4, 'heading error at which a turn in place ends', unit='rad', low=0.02, high=2.0)

@@ -9,7 +9,7 @@ import numpy as np
 from psane_mapping.grid import FloatArray
 from psane_reactive.clearance import Border
 from psane_reactive.configuration import ReactiveConfiguration
-from psane_reactive.limits import Velocity, clip, wrap
+from psane_reactive.limits import Velocity, clip, walkable, wrap
 
 
 class Pose(NamedTuple):
@@ -73,9 +73,7 @@ class UnicycleLaw:
         if self.is_turning:
             return Velocity(0.0, angular)
         speed = self._speed(error, left, free)
-        if not self.is_reversing and settings.arc_radius > 0.0:
-            angular = clip(angular, speed / settings.arc_radius)
-        return Velocity(-speed if self.is_reversing else speed, angular)
+        return walkable(Velocity(-speed if self.is_reversing else speed, angular), settings)
 
     def _choose_turn(self, error: float, free: float) -> None:
         """Turn in place to what is far aside, or where an arc has no room ahead."""

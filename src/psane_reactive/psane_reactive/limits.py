@@ -53,3 +53,16 @@ def rate_limited(wanted: Velocity, last: Velocity, step: float,
                            configuration.linear_acceleration * step),
         last.angular + clip(wanted.angular - last.angular,
                             configuration.angular_acceleration * step))
+
+
+def walkable(velocity: Velocity, configuration: ReactiveConfiguration) -> Velocity:
+    """Return a velocity with the yaw rate that the gait can walk at its speed; turns unchanged.
+
+    Notes
+    -----
+    Of what asks for a tighter arc the gait makes a turn on the spot, and the robot stays there.
+    """
+    if velocity.linear == 0.0 or configuration.arc_radius == 0.0:
+        return velocity
+    largest = abs(velocity.linear) / configuration.arc_radius
+    return Velocity(velocity.linear, clip(velocity.angular, largest))

@@ -7,7 +7,7 @@ from psane_mapping.grid import FloatArray
 from psane_reactive.clearance import Border
 from psane_reactive.configuration import ReactiveConfiguration
 from psane_reactive.law import Pose
-from psane_reactive.limits import Velocity, clip, wrap
+from psane_reactive.limits import Velocity, clip, walkable, wrap
 
 _DEPTH = 0.02
 # Beyond this angle to the way back, driving does not bring the robot nearer.
@@ -40,7 +40,7 @@ class Retreat:
         angular = clip(settings.heading_gain * error, settings.angular_limit)
         if abs(error) > _DRIVE_BELOW:
             return Velocity(0.0, angular)
-        return Velocity(direction * settings.retreat_speed * math.cos(error), angular)
+        return walkable(Velocity(direction * settings.retreat_speed, angular), settings)
 
 
 def _just_inside(border: Border, pose: Pose) -> FloatArray:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures of speed and accuracy, all measured in this run: `psane bench [sim|map|plan|steer]`."""
+"""Figures of speed and accuracy, all measured in this run: `psane bench [PART] [--json]`."""
 
 import argparse
 import json
@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from psane_mapping import benchmark as map_benchmark
 from psane_planner import benchmark as plan_benchmark
 from psane_reactive import benchmark as steer_benchmark
-from psane_sim import simulator_benchmark
+from psane_sim import simulator_benchmark, touch_report
 from psane_sim.catalogue import load_terrain
 from psane_sim.closed_loop import ClosedLoop, Settings
 from psane_sim.summary import Task
@@ -34,24 +34,22 @@ def measure_sim() -> dict[str, float]:
     return {**simulator_benchmark.measure(), **measure_loop()}
 
 
+def measure_touch() -> dict[str, float]:
+    """Return how well strength is felt, on ground as modelled and on other ground."""
+    effort = touch_report.Effort(seconds=6.0, draws=2)
+    return touch_report.figures(touch_report.measure(effort))
+
+
 def measure_map() -> dict[str, float]:
     """Return the figures of the map, those of the way through the graph with them."""
     # Only here, so that the other parts need no ROS.
-    import rclpy
-
-    from psane_mapping import ros_latency_benchmark
-    from psane_sim.processes import use_private_graph
-    use_private_graph()
-    rclpy.init(args=[])
-    try:
-        latency = ros_latency_benchmark.measure()
-    finally:
-        rclpy.try_shutdown()
-    return {**map_benchmark.measure(full=True), **latency}
+    from psane_sim import ros_map_latency
+    return {**map_benchmark.measure(full=True), **ros_map_latency.measure()}
 
 
 PARTS: dict[str, Callable[[], dict[str, float]]] = {
     'sim': measure_sim,
+    'touch': measure_touch,
     'map': measure_map,
     'plan': plan_benchmark.measure,
     'steer': steer_benchmark.measure,

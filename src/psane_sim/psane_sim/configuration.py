@@ -21,7 +21,7 @@ class SimulatorConfiguration(Configuration):
         low=0.0, high=10.0, read_only=True)
 
     stride_frequency: float = parameter(
-        0.75, 'turns of each leg', unit='1/s', low=0.1, high=3.0, read_only=True)
+        0.75, 'turns of each leg', unit='1/s', low=0.1, high=10.0, read_only=True)
     duty: float = parameter(
         0.55, 'share of a turn that a leg spends in stance', low=0.5, high=0.9, read_only=True)
     sweep_limit: float = parameter(
@@ -31,24 +31,24 @@ class SimulatorConfiguration(Configuration):
         4.0, 'how fast the sweep follows a new command', unit='rad/s', low=0.1, high=100.0,
         read_only=True)
     speed_per_sweep: float = parameter(
-        0.325, 'forward speed for a sweep of 1 rad at 1 turn/s', unit='m/rad', low=0.01,
+        0.322, 'forward speed for a sweep of 1 rad at 1 turn/s', unit='m/rad', low=0.01,
         high=5.0, read_only=True)
     turn_per_sweep: float = parameter(
-        0.28, 'yaw rate for a half difference of sweeps of 1 rad at 1 turn/s', low=0.01,
+        0.288, 'yaw rate for a half difference of sweeps of 1 rad at 1 turn/s', low=0.01,
         high=20.0, read_only=True)
     turn_gain: float = parameter(
-        0.133, 'growth of turn_per_sweep with the mean sweep', unit='1/rad', low=0.0, high=20.0,
+        0.159, 'growth of turn_per_sweep with the mean sweep', unit='1/rad', low=0.0, high=20.0,
         read_only=True)
     speed_per_turn: float = parameter(
-        0.267, 'forward speed that a half difference of 1 rad adds at 1 turn/s', unit='m/rad',
+        0.289, 'forward speed that a half difference of 1 rad adds at 1 turn/s', unit='m/rad',
         low=0.0, high=5.0, read_only=True)
     backward_speed_per_sweep: float = parameter(
-        0.224, 'speed for a sweep of 1 rad at 1 turn/s when walking backward', unit='m/rad',
+        0.227, 'speed for a sweep of 1 rad at 1 turn/s when walking backward', unit='m/rad',
         low=0.01, high=5.0, read_only=True)
     backward_turn_per_sweep: float = parameter(
-        0.37, 'turn_per_sweep when walking backward', low=0.01, high=20.0, read_only=True)
+        0.39, 'turn_per_sweep when walking backward', low=0.01, high=20.0, read_only=True)
     spot_turn_per_sweep: float = parameter(
-        0.573, 'turn_per_sweep when turning on the spot', low=0.01, high=20.0, read_only=True)
+        0.563, 'turn_per_sweep when turning on the spot', low=0.01, high=20.0, read_only=True)
     speed_limit: float = parameter(
         0.3, 'largest forward speed that is obeyed', unit='m/s', low=0.0, high=5.0)
     turn_limit: float = parameter(

@@ -45,3 +45,7 @@ class TaskError(SimulationError, ValueError):
 
 class GraphError(SimulationError, RuntimeError):
     """The ROS graph does not come up, or a node of it is not installed."""
+
+
+class AuditError(SimulationError, RuntimeError):
+    """An audit cannot run as it was asked for: other settings in the folder, no scheduler."""

@@ -13,7 +13,9 @@ from psane_sim.configuration import SimulatorConfiguration
 
 _LONGEST_MEAN = 1.4
 _LONGEST_DIFFERENCE = 1.1
-_STRAIGHT_SWEEP = 1.2
+STRAIGHT_SWEEP = 1.2
+"""Mean sweep at which a difference between the sides adds no speed [rad]."""
+
 _SPOT_SHARE = 0.7
 _ITERATIONS = 12
 
@@ -59,7 +61,7 @@ def _forward(linear: float, angular: float, config: SimulatorConfiguration) -> S
     for _ in range(_ITERATIONS):
         difference = turn / (config.turn_per_sweep + config.turn_gain * mean)
         difference = max(-_LONGEST_DIFFERENCE, min(_LONGEST_DIFFERENCE, difference))
-        pushed = config.speed_per_turn * abs(difference) * max(0.0, 1.0 - mean / _STRAIGHT_SWEEP)
+        pushed = config.speed_per_turn * abs(difference) * max(0.0, 1.0 - mean / STRAIGHT_SWEEP)
         wanted = (speed - pushed) / config.speed_per_sweep
         mean = 0.5 * (mean + max(0.0, min(_LONGEST_MEAN, wanted)))
     return _limited(mean, difference, 1.0, 1.0, config)

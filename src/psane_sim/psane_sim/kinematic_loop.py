@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from psane_mapping.configuration import MappingConfiguration
-from psane_mapping.grid import FloatArray
+from psane_mapping.grid import FloatArray, Grid
 from psane_mapping.map_cells import SLIP_MEAN, SLIP_STD, MapSteps, cells_of_maps, slip_of_cells
 from psane_mapping.mapper import TerrainMapper
 from psane_planner.configuration import PlannerConfiguration
@@ -77,6 +77,16 @@ class KinematicLoop:
         self.plan: Plan | None = None
         self.plans = 0
 
+    @property
+    def grid(self) -> Grid:
+        """Cells of map and plan."""
+        return self._mapper.grid
+
+    @property
+    def maps(self) -> tuple[FloatArray, FloatArray]:
+        """Slip mean and standard deviation (rows, columns) as last published [-]."""
+        return self._published_maps()
+
     def run(self) -> tuple[Outcome, Score]:
         """Run until the planner ends or the time is over; return the score."""
         began = time.monotonic()
@@ -101,6 +111,7 @@ class KinematicLoop:
         self._controller.set_odometry(tuple(self._believed()), robot.velocity, robot.time)
         command = self._controller.command(robot.time)
         robot.command(command.linear, command.angular)
+        self._planner.note_motion(self._believed(), command.linear, command.angular, robot.time)
         ended = robot.step(TICK)
         feet = robot.feet()
         for leg in ended:

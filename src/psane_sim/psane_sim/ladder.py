@@ -12,11 +12,13 @@ import numpy as np
 
 from psane_mapping.leg import RobotModel
 from psane_sim.configuration import SimulatorConfiguration
+from psane_sim.feed_forward import STRAIGHT_SWEEP
 from psane_sim.gait import wrap
 from psane_sim.hexapod import HexapodSimulator
 from psane_sim.terrain import Terrain
 
-REFERENCE_SPEED = 0.2925
+REFERENCE_SPEED = (SimulatorConfiguration().speed_per_sweep * STRAIGHT_SWEEP
+                   * SimulatorConfiguration().stride_frequency)
 """Commanded speed that makes the reference gait's sweep of 1.2 rad at 0.75 turns/s [m/s]."""
 
 RIGID_SPEED = 0.318

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How fast a robot would be that knows the ground: the yardstick for those that have to feel it."""
+"""How fast a robot that knows the ground would be: the yardstick for those that must feel it."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -14,9 +14,9 @@ from psane_sim.configuration import SimulatorConfiguration
 from psane_sim.hexapod import HexapodSimulator
 
 MEANINGS = {
-    'rtf_simulator': 'simulated / wall time, walking on env1, one core',
+    'rtf_simulator': 'simulated / wall time, walking on env1 with footprints, one core',
     'engine_step_us': "the engine's own step",
-    'soil_us': 'granular soil under six legs and the belly',
+    'soil_us': 'granular soil with footprints under six legs and the belly',
     'state_us': "reading the engine's state",
     'forces_us': 'handing over forces and motor speeds',
     'gait_us': 'reference angles of the legs',
@@ -32,7 +32,7 @@ def measure(duration: float = 10.0) -> dict[str, float]:
     duration : float
         Simulated time that is walked for the real-time factor [s].
     """
-    config = SimulatorConfiguration()
+    config = SimulatorConfiguration(footprints=True)
     with HexapodSimulator(config, load_terrain('env1'), (2.0, 7.0, 0.0)) as simulator:
         simulator.command(0.2, 0.15)
         simulator.step(1000)

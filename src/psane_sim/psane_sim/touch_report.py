@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """How well the strength of the ground is felt, also where the ground is not as the model says.
 
-Run ``./psane run psane_sim touch_report``. A robot walks over uniform ground of many strengths; what
-its sensors would have said is made several times over, with other noise and other biases, so that
-a walk is simulated once and felt often.
+Run ``./psane run psane_sim touch_report``. A robot walks over uniform ground of many strengths;
+what its sensors would have said is made several times over, with other noise and other biases, so
+that a walk is simulated once and felt often.
 """
 
 import argparse
@@ -130,6 +130,12 @@ class Errors:
         return float(np.mean(np.abs(self.error) <= NORMAL_90 * self.claimed))
 
     @property
+    def missing_deviation(self) -> float:
+        """Deviation of log-strength that, added to the claimed one, would make 90 % hold."""
+        needed = (self.error / NORMAL_90) ** 2 - self.claimed**2
+        return math.sqrt(max(0.0, float(np.quantile(needed, 0.9))))
+
+    @property
     def rejected_share(self) -> float:
         """Share of stances that were not used."""
         count = self.rejected.total()
@@ -206,12 +212,13 @@ def measure(effort: Effort | None = None) -> dict[str, Errors]:
 
 def figures(report: dict[str, Errors]) -> dict[str, float]:
     """Return the report as named numbers."""
-    named = {}
+    named: dict[str, float] = {}
     for name, errors in report.items():
         key = 'touch_' + '_'.join(name.replace('%', 'percent').replace('=', '').replace(
             '-', 'minus_').replace('.', 'p').replace(',', '').lower().split())
         named |= {f'{key}_log_rmse': errors.rmse, f'{key}_median_error': errors.median,
                   f'{key}_coverage_90': errors.coverage,
+                  f'{key}_missing_deviation': errors.missing_deviation,
                   f'{key}_rejected_share': errors.rejected_share}
     return named
 
@@ -231,7 +238,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if options.json:
         print(json.dumps(figures(report), indent=2))
         return
-    print(f'{"":28s} log-RMSE  median  90 % holds  rejected  (stances)')
+    print('add: deviation of log-strength that is missing for 90 % of the truths to lie within')
+    print(f'{"":28s} log-RMSE  median  90 % holds  add  rejected  (stances)')
     for name, errors in report.items():
         print(f'{name:28s} {errors.rmse:8.3f} {errors.median:7.1%} {errors.coverage:11.1%} '
+              f'{errors.missing_deviation:5.2f}'
               f'{errors.rejected_share:9.1%}  {len(errors.error)}')
