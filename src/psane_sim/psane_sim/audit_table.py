@@ -12,8 +12,6 @@ from psane_sim.audit_trial import BETAS
 Row = dict[str, Any]
 
 ALL = 'all'
-DONE = ('REACHED', 'EXPLORED')
-
 
 def summarise_rows(rows: Sequence[Row]) -> dict[str, dict[str, Any]]:
     """Return figures by family, and under 'all' those of all trials."""
@@ -26,6 +24,7 @@ def summarise_rows(rows: Sequence[Row]) -> dict[str, dict[str, Any]]:
 
 def _figures(rows: Sequence[Row]) -> dict[str, Any]:
     possible = [row for row in rows if row['is_possible']]
+    cautious = [row for row in rows if row['is_possible_with_margin']]
     arrived = [row for row in possible if row['success'] and row['least_time_s']]
     certified = sum(row['certified_cells'] for row in rows)
     ratios = [row['time_s'] / row['least_time_s'] for row in arrived]
@@ -34,6 +33,9 @@ def _figures(rows: Sequence[Row]) -> dict[str, Any]:
         'trials': len(rows),
         'possible': len(possible),
         'success_share': _share(sum(row['success'] for row in possible), len(possible)),
+        'possible_with_margin': len(cautious),
+        'success_share_with_margin': _share(sum(row['success'] for row in cautious),
+                                            len(cautious)),
         'trials_with_unsafe_time': sum(row['unsafe_time_s'] > 0.0 for row in rows),
         'unsafe_time_s': round(sum(row['unsafe_time_s'] for row in rows), 2),
         'unsafe_foot_share': _mean([row['unsafe_foot_share'] for row in rows]),
@@ -70,6 +72,7 @@ def _median(values: Sequence[float]) -> float | None:
 
 COLUMNS = {
     'trials': 'trials', 'possible': 'possible', 'success': 'success_share',
+    'success with margin': 'success_share_with_margin',
     'unsafe [s]': 'unsafe_time_s', 'unsafe trials': 'trials_with_unsafe_time',
     'unsafe feet': 'unsafe_foot_share', 'false cells': 'false_certified_share',
     'time [s]': 'median_time_s', 'time ratio': 'median_time_ratio',

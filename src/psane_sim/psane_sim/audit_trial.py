@@ -23,6 +23,11 @@ BETAS = (0.0, 0.25, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0)
 """Confidence scales at which the last map of each trial is judged [-]."""
 
 
+MARGIN = 0.05
+"""Slip by which a robot that measures slip stays below the threshold: two deviations of the error
+that all its contacts share [-]."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class AuditSettings:
     """What all trials of an audit share.
@@ -81,12 +86,14 @@ def _result(task: Task, outcome: Outcome, score: Score) -> dict[str, Any]:
 def _yardstick(terrain: Terrain, planner: PlannerConfiguration) -> dict[str, Any]:
     """Return what a robot that knows the ground would need; None where it has no way either."""
     clearance = planner.clearance + planner.contour_tolerance
-    details = {'threshold': planner.slip_threshold, 'clearance': clearance,
+    details = {'clearance': clearance,
                'border_width': planner.border_width, 'goal_tolerance': planner.goal_tolerance}
-    length = least_length(terrain, terrain.start, terrain.goal, **details)
-    fastest = least_time(terrain, terrain.start, terrain.goal, speed=0.3, **details)
+    ends, threshold = (terrain.start, terrain.goal), planner.slip_threshold
+    length = least_length(terrain, *ends, threshold=threshold, **details)
+    fastest = least_time(terrain, *ends, threshold=threshold, speed=0.3, **details)
     is_possible = bool(np.isfinite(length))
-    return {'is_possible': is_possible,
+    cautious = least_length(terrain, *ends, threshold=threshold - MARGIN, **details)
+    return {'is_possible': is_possible, 'is_possible_with_margin': bool(np.isfinite(cautious)),
             'least_length_m': round(length, 3) if is_possible else None,
             'least_time_s': round(fastest, 3) if np.isfinite(fastest) else None}
 

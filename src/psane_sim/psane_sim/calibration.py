@@ -16,6 +16,9 @@ from psane_mapping.grid import FloatArray
 from psane_mapping.slip import CalibratedSlipCurve
 from psane_sim.feed_forward import STRAIGHT_SWEEP
 
+LEAST_FACTOR = 0.01
+"""No factor of the feed-forward may be smaller: it would ask for sweeps without end."""
+
 MAPPER, SIMULATOR = 'terrain_mapper', 'hexapod_sim'
 """The nodes that a calibration is for."""
 
@@ -98,7 +101,7 @@ def fit_feed_forward(forward: Sequence[SweepResponse], backward: Sequence[SweepR
     -----
     With mean m and half difference d of the sweeps, forward: v / f = a m + b |d| (1 - m / 1.2) and
     w / f = (c + e m) d; backward: v / f = a' m, w / f = c' d; on the spot: w / f = c'' d. Least
-    squares of relative errors; none of the factors may be negative.
+    squares of relative errors; no factor is below `LEAST_FACTOR`.
     """
     mean, half, speed, turn = _columns(forward, frequency)
     push = np.abs(half) * np.maximum(0.0, 1.0 - mean / STRAIGHT_SWEEP)
@@ -123,9 +126,9 @@ def _columns(responses: Sequence[SweepResponse], frequency: float
 
 
 def _positive(columns: FloatArray, target: FloatArray) -> list[float]:
-    """Return factors >= 0 that make the relative errors small; targets near 0 count less."""
-    weight = 1.0 / np.maximum(np.abs(target), 0.3 * np.abs(target).max())
-    found = lsq_linear(weight[:, None] * columns, weight * target, bounds=(0.0, np.inf))
+    """Return factors that make the relative errors small; targets near 0 count less."""
+    weight = 1.0 / np.maximum(np.abs(target), 0.3 * np.abs(target).max() + 1e-9)
+    found = lsq_linear(weight[:, None] * columns, weight * target, bounds=(LEAST_FACTOR, np.inf))
     return [float(value) for value in found.x]
 
 

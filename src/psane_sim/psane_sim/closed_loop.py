@@ -138,6 +138,7 @@ class ClosedLoop:
         if tick % COMMAND_PERIOD == 0:
             command = self._controller.command(now)
             self._simulator.command(command.linear, command.angular)
+            self.record.steps.append((now, *truth.pose, command.linear, command.angular))
         if tick % SCORE_PERIOD == 0:
             entry = TruthEntry.of(truth)
             self._scorer.observe(entry.pose[:2], entry.grounded_feet, 1e-3 * SCORE_PERIOD)

@@ -24,6 +24,8 @@ class RunRecord:
         True way of the body's centre.
     contacts : list of (time, x, y, slip)
         Accepted contacts, with the slip that was felt [-].
+    steps : list of (time, x, y, yaw, linear, angular)
+        True poses and the commands in force from then on: what `stride_slip` needs.
     subgoals : list of (time, x, y)
     progress : list of (time, distance to the goal [m], certified area [m^2])
     certified, slip_mean, slip_std : (rows, columns) arrays or None
@@ -39,6 +41,7 @@ class RunRecord:
     goal: FloatArray | None
     path: list[tuple[float, float, float]] = field(default_factory=list)
     contacts: list[tuple[float, float, float, float]] = field(default_factory=list)
+    steps: list[tuple[float, float, float, float, float, float]] = field(default_factory=list)
     subgoals: list[tuple[float, float, float]] = field(default_factory=list)
     progress: list[tuple[float, float, float]] = field(default_factory=list)
     certified: NDArray[np.bool_] | None = None
