@@ -7,13 +7,13 @@ import pytest
 from psane_mapping.leg import RobotModel
 from psane_sim.configuration import SOIL_NAMES, SimulatorConfiguration
 from psane_sim.element_soil import ElementSoil, SoilLaw
+from psane_sim.gravity import GRAVITY
 from psane_sim.hexapod import HexapodSimulator
 from psane_sim.ladder import measure_slip
 from psane_sim.soil import BODY, RobotState
 from psane_sim.soil_family import SOILS
 from psane_sim.soil_laws import CONTACT
 from psane_sim.terrain import Terrain
-from psane_sim.truth import GRAVITY
 
 ROBOT = RobotModel()
 TICK = 0.001

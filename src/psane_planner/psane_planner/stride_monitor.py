@@ -38,7 +38,9 @@ class StrideMonitor:
         self.log_factor = 0.0
         self._variance = configuration.stride_prior_deviation**2
         self.strides = 0
-        self._restart(math.nan, np.full(3, np.nan))
+        self._began = self._now = math.nan
+        self._last = np.full(3, np.nan)
+        self._moved = self._asked = self._felt = 0.0
 
     @property
     def deviation(self) -> float:

@@ -86,7 +86,7 @@ def _result(task: Task, outcome: Outcome, score: Score) -> dict[str, Any]:
 def _yardstick(terrain: Terrain, planner: PlannerConfiguration) -> dict[str, Any]:
     """Return what a robot that knows the ground would need; None where it has no way either."""
     clearance = planner.clearance + planner.contour_tolerance
-    details = {'clearance': clearance,
+    details: dict[str, Any] = {'clearance': clearance,
                'border_width': planner.border_width, 'goal_tolerance': planner.goal_tolerance}
     ends, threshold = (terrain.start, terrain.goal), planner.slip_threshold
     length = least_length(terrain, *ends, threshold=threshold, **details)

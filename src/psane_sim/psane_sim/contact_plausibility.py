@@ -11,8 +11,8 @@ from psane_mapping.contact import LegContact
 from psane_mapping.strength import Rejection, StrengthEstimate, estimate_strength
 from psane_sim.check_settings import CheckSettings
 from psane_sim.findings import Finding, fault, note
+from psane_sim.gravity import GRAVITY
 from psane_sim.topic_record import Recording
-from psane_sim.truth import GRAVITY
 
 LATEST = 0.01
 """Difference between stamp and lift-off that rounding may make [s]."""

@@ -11,10 +11,10 @@ from numba import njit
 from psane_mapping.grid import FloatArray
 from psane_mapping.leg import RobotModel
 from psane_sim.errors import SimulationError
+from psane_sim.gravity import GRAVITY
 from psane_sim.quiet_pybullet import pybullet
 from psane_sim.robot_body import load_robot
 from psane_sim.soil import BODY, GroundLoad, RobotState
-from psane_sim.truth import GRAVITY
 
 _LEGS = list(range(6))
 

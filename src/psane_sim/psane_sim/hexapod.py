@@ -14,11 +14,12 @@ from psane_sim.configuration import SimulatorConfiguration
 from psane_sim.engine import Engine
 from psane_sim.errors import FallenError, StartError
 from psane_sim.gait import Gait
+from psane_sim.gravity import GRAVITY
 from psane_sim.render import Camera, Renderer, add_ground
 from psane_sim.soil import BODY, GroundLoad, Soil
 from psane_sim.soil_choice import soil_of
 from psane_sim.terrain import Terrain
-from psane_sim.truth import GRAVITY, Truth
+from psane_sim.truth import Truth
 
 _SENSOR_SPAN = 0.005
 _SPEED_LIMIT = 25.0

@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from psane_mapping.grid import FloatArray
 from psane_sim.complementary import added_up, corrected, corrected_attitude
+from psane_sim.gravity import GRAVITY
 from psane_sim.sensing import ImuSample, JointSample, OdometrySample, WrenchSample
-from psane_sim.truth import GRAVITY
 
 VELOCITY_TIMEOUT = 0.1
 """Without odometry for longer than this [s], a body velocity is not trusted."""

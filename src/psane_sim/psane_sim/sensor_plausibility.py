@@ -9,8 +9,8 @@ import numpy as np
 from psane_mapping.grid import FloatArray
 from psane_sim.check_settings import CheckSettings
 from psane_sim.findings import Finding, fault, note
+from psane_sim.gravity import GRAVITY
 from psane_sim.topic_record import Recording
-from psane_sim.truth import GRAVITY
 
 DEGREES = 180.0 / math.pi
 FASTEST_BODY, FASTEST_JOINT, FASTEST_TURN = 5.0, 60.0, 20.0

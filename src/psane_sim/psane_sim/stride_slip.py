@@ -19,8 +19,8 @@ from psane_sim.terrain import Terrain
 
 LEAST_SPEED, LARGEST_TURN = 0.12, 0.2
 """A stride counts when the same commands would have taken the robot forward at least this fast on
-hard ground [m/s] and when it was told to turn, on average, by no more than this [rad/s]: spot turns
-and marches have no slip ratio."""
+hard ground [m/s] and when it was told to turn, on average, by no more than this [rad/s]: spot
+turns and marches have no slip ratio."""
 
 Steps = list[tuple[float, float, float, float, float, float]]
 """Time [s], true x, y [m] and yaw [rad], and the command [m/s], [rad/s] in force from then on."""

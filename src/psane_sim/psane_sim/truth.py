@@ -6,9 +6,6 @@ from dataclasses import dataclass
 
 from psane_mapping.grid import FloatArray
 
-GRAVITY = 9.81
-"""Acceleration of free fall [m/s^2]."""
-
 
 @dataclass(frozen=True)
 class Truth:
