@@ -90,7 +90,8 @@ def test_when_the_planner_falls_silent_the_robot_stays_in_its_last_region(monkey
     limit = Settings().reactive.region_age_limit
     time, speed = speeds(loop)
     from shapely.geometry import Point
-    inside = [loop.record.region.buffer(0.03).contains(Point(x, y))
+    # A third of the 0.15 m of certified ground that lie around the region; a march may drift.
+    inside = [loop.record.region.buffer(0.05).contains(Point(x, y))
               for when, x, y in loop.record.path if when > lost]
     assert all(inside)
     assert speed[time > lost + limit + 1.0].max() < STANDING

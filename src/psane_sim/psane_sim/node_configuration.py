@@ -25,7 +25,7 @@ class SimulatorNodeConfiguration(Configuration):
         1.0, 'simulated seconds for each second on the wall, where the machine can keep up',
         low=0.01, high=100.0, read_only=True)
     command_timeout: float = parameter(
-        0.3, 'simulated time after the last command at which the robot stops by itself; it then '
+        0.25, 'simulated time after the last command at which the robot stops by itself; it then '
         'stands within 0.2 s', unit='s', low=0.06, high=5.0)
     truth_file: str = parameter(
         '', 'write the true poses to this CSV file, for scoring (they are on no topic)',
