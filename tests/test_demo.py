@@ -14,7 +14,7 @@ from psane_sim.truth_log import read_truth
 
 NODES = ('hexapod_sim', 'contact_sensor', 'terrain_mapper', 'safe_planner', 'reactive_controller')
 STANDING = 0.04
-"""A body slower than this stands [m/s]; it may still sway on its legs for a moment. It walks at 0.3."""
+"""A body slower than this stands [m/s]; it may still sway for a moment. It walks at 0.3."""
 
 
 def status_of(*arguments):

@@ -12,6 +12,7 @@ from psane_mapping.leg import TRIPOD
 from psane_sim.configuration import SimulatorConfiguration
 from psane_sim.feed_forward import sweeps_of
 from psane_sim.gait import Gait, wrap
+from psane_sim.ladder import REFERENCE_SPEED
 
 law = settings(deadline=None, derandomize=True, max_examples=40)
 CONFIG = SimulatorConfiguration()
@@ -72,7 +73,7 @@ def test_the_legs_of_a_tripod_move_together_and_the_tripods_half_a_stride_apart(
 
 
 def test_each_leg_turns_once_in_a_stride_and_spends_the_duty_in_its_stance_sweep():
-    gait = walking(0.2925)
+    gait = walking(REFERENCE_SPEED)
     angles = np.unwrap(run(gait, TICKS_PER_STRIDE + 1), axis=0)
     np.testing.assert_allclose(angles[-1] - angles[0], 2.0 * math.pi, atol=0.02)
     in_sweep = np.abs(np.vectorize(wrap)(angles[:-1])) <= 0.5 * gait.sweep.left
