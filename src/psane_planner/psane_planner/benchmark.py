@@ -93,6 +93,30 @@ def _plan_cycle() -> dict[str, float]:
             'plan_cycle_seeking_share': float(np.mean(seeking))}
 
 
+def _local_change() -> dict[str, float]:
+    """Time cycles on a large map that only changes under the robot: 20 m across of 100 m felt."""
+    grid = Grid.over_workspace(0.0, 0.0, 100.0, 100.0, 0.1)
+    planner = SafePlanner(PlannerConfiguration(), grid)
+    x, y = np.meshgrid(grid.x, grid.y)
+    away = np.hypot(x - 50.0, y - 50.0)
+    std = np.clip(0.03 + 0.5 * (away - 10.0), 0.03, 0.5)
+    waves = 0.3 * (np.sin(1.9 * x) * np.sin(1.7 * y) + 0.4 * np.sin(0.9 * x - 1.3 * y))
+    mean = np.where(away < 11.0, waves + 0.25, 0.0)
+    start = int(np.argmin(np.where(away < 5.0, mean, np.inf)))
+    row, column = divmod(start, grid.columns)
+    pose, goal = np.append(grid.points[start], 0.0), np.array((80.0, 80.0))
+    cells: list[int] = []
+
+    def cycle(k: int) -> None:
+        mean[row - 15:row + 15, column - 15:column + 15] -= 1e-4
+        std[row - 15:row + 15, column - 15:column + 15] *= 0.999
+        cells.append(planner.update(mean, std, pose, goal, 0.2 * k).certified_cells)
+
+    _median_ms(cycle, 3)
+    milliseconds = _median_ms(cycle, 20)
+    return {'plan_local_ms_1001': milliseconds, 'plan_local_certified_cells': float(cells[-1])}
+
+
 def _cone() -> dict[str, float]:
     """Time the cone transform beside pair loops compiled by the same compiler."""
     configuration = PlannerConfiguration()
@@ -115,7 +139,7 @@ def _cone() -> dict[str, float]:
 
 def measure() -> dict[str, float]:
     """Return the figures of this run: milliseconds are medians, shares are in 0..1."""
-    return {**_plan_cycle(), **_cone()}
+    return {**_plan_cycle(), **_local_change(), **_cone()}
 
 
 def main() -> None:

@@ -6,7 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from psane_mapping.grid import FloatArray
+from psane_planner.discs import Mask
 from psane_planner.errors import MapError
+from psane_planner.window import Window, window_around
 
 
 class Bounds(NamedTuple):
@@ -45,6 +47,8 @@ class ConfidenceIntervals:
         self._revoking = float(np.sqrt(revocation_scale))
         self._lower = np.full(shape, -np.inf)
         self._upper = np.full(shape, np.inf)
+        self._newest = np.full(shape, np.inf)
+        self._last: tuple[FloatArray, FloatArray] | None = None
         self.total_resets = 0
 
     def update(self, mean: FloatArray, std: FloatArray) -> Bounds:
@@ -60,29 +64,62 @@ class ConfidenceIntervals:
         MapError
             For a wrong shape, a negative deviation or an infinite number.
         """
-        _check(mean, std, self._lower.shape)
+        _check_shape(mean, std, self._lower.shape)
+        changed = self._note_changes(mean, std)
+        resets = 0
+        if changed is not None:
+            # The arrays of earlier bounds belong to whoever holds them.
+            self._lower, self._upper, self._newest = (
+                self._lower.copy(), self._upper.copy(), self._newest.copy())
+            resets = self._narrow(mean[changed], std[changed], changed)
+            for array in (self._lower, self._upper, self._newest):
+                array.setflags(write=False)
+        self.total_resets += resets
+        return Bounds(self._lower, self._upper, self._newest, resets)
+
+    def _note_changes(self, mean: FloatArray, std: FloatArray) -> Window | None:
+        """Return where the map differs from the last one; there is nothing to do elsewhere.
+
+        An interval that is intersected with the same c_t again stays what it is.
+        """
+        if self._last is None:
+            changed: Window | None = Window(slice(0, mean.shape[0]), slice(0, mean.shape[1]))
+        else:
+            differs = _differ(mean, self._last[0]) | _differ(std, self._last[1])
+            changed = window_around(differs, 0)
+        if changed is not None:
+            _check_numbers(mean[changed], std[changed])
+            self._last = (mean.copy(), std.copy())
+        return changed
+
+    def _narrow(self, mean: FloatArray, std: FloatArray, where: Window) -> int:
+        """Intersect the intervals of a window; return how many were started over."""
         half = self._half_widths * std
         unknown = np.isnan(mean) | np.isnan(std)
         lower = np.where(unknown, -np.inf, mean - half)
         upper = np.where(unknown, np.inf, mean + half)
-        kept_lower = np.maximum(self._lower, lower)
-        kept_upper = np.minimum(self._upper, upper)
+        kept_lower = np.maximum(self._lower[where], lower)
+        kept_upper = np.minimum(self._upper[where], upper)
         empty = (kept_lower > kept_upper) & ~unknown
         over = empty | unknown
-        self._lower = np.where(over, lower, kept_lower)
-        self._upper = np.where(over, upper, kept_upper)
-        self._lower.setflags(write=False)
-        self._upper.setflags(write=False)
-        newest = np.where(unknown, np.inf, mean + self._revoking * std)
-        resets = int(np.count_nonzero(empty))
-        self.total_resets += resets
-        return Bounds(self._lower, self._upper, newest, resets)
+        self._lower[where] = np.where(over, lower, kept_lower)
+        self._upper[where] = np.where(over, upper, kept_upper)
+        self._newest[where] = np.where(unknown, np.inf, mean + self._revoking * std)
+        return int(np.count_nonzero(empty))
 
 
-def _check(mean: FloatArray, std: FloatArray, shape: tuple[int, ...]) -> None:
+def _differ(one: FloatArray, other: FloatArray) -> Mask:
+    return np.asarray((one != other) & ~(np.isnan(one) & np.isnan(other)))
+
+
+def _check_shape(mean: FloatArray, std: FloatArray, shape: tuple[int, ...]) -> None:
     for name, array in (('slip_mean', mean), ('slip_std', std)):
         if array.shape != shape:
             raise MapError(f'{name} has shape {array.shape}, expected {shape}')
+
+
+def _check_numbers(mean: FloatArray, std: FloatArray) -> None:
+    for name, array in (('slip_mean', mean), ('slip_std', std)):
         if np.isinf(array).any():
             raise MapError(f'{name} holds an infinite number; use NaN for no estimate')
     if (std < 0.0).any():

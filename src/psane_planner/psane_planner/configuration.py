@@ -57,6 +57,11 @@ class PlannerConfiguration(Configuration):
     clearance: float = parameter(
         0.15, 'least distance of the steered point to uncertified ground', unit='m',
         low=0.02, high=2.0)
+    footprint_aware: bool = parameter(
+        False, "keep all feet on certified ground at any heading, not only the body's centre")
+    footprint_radius: float = parameter(
+        0.28, 'distance of the outermost foot to the centre (footprint_aware)', unit='m',
+        low=0.02, high=2.0)
     contour_tolerance: float = parameter(
         0.02, 'added to the clearance and spent on interpolation and simplification', unit='m',
         low=0.002, high=0.5)
@@ -122,6 +127,12 @@ class PlannerConfiguration(Configuration):
     found_distance: float = parameter(
         0.05, 'distance outside certified ground below which a lost robot is found again',
         unit='m', low=0.0, high=5.0)
+
+    @property
+    def region_clearance(self) -> float:
+        """Least distance of the steered point to uncertified ground, feet considered [m]."""
+        return max(self.clearance, self.footprint_radius) if self.footprint_aware \
+            else self.clearance
 
     def __post_init__(self) -> None:
         """Check each field, then the relations between them."""

@@ -7,6 +7,7 @@ import numpy as np
 from psane_mapping.grid import FloatArray
 from psane_planner.configuration import PlannerConfiguration
 from psane_planner.discs import Integers, Mask, count_in_discs, squared_radii
+from psane_planner.window import window_around
 
 
 def frontier_cells(component: Mask, certified: Mask, admissible: Mask) -> Integers:
@@ -26,13 +27,17 @@ def frontier_cells(component: Mask, certified: Mask, admissible: Mask) -> Intege
     Border following by Suzuki & Abe (1985), as in OpenCV. A border cell that only touches
     forbidden ground (the workspace's border, keep-out areas) is none: nothing can be won there.
     """
-    contours, _ = cv2.findContours(component.astype(np.uint8), cv2.RETR_LIST,
-                                   cv2.CHAIN_APPROX_NONE)
-    on_border = np.zeros(component.shape, dtype=np.bool_)
+    where = window_around(component, 1)
+    if where is None:
+        return np.empty((0, 2), dtype=np.int64)
+    inner = component[where]
+    contours, _ = cv2.findContours(inner.astype(np.uint8), cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
+    on_border = np.zeros(inner.shape, dtype=np.bool_)
     for contour in contours:
         on_border[contour[:, 0, 1], contour[:, 0, 0]] = True
-    cells: Integers = np.argwhere(on_border & component & beside(admissible & ~certified))
-    return cells
+    open_ground = admissible[where] & ~certified[where]
+    cells: Integers = np.argwhere(on_border & inner & beside(open_ground))
+    return cells + (where.rows.start, where.columns.start)
 
 
 def beside(mask: Mask) -> Mask:

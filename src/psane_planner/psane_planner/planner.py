@@ -52,11 +52,13 @@ class SafePlanner:
         """Go on with another configuration.
 
         Intervals and certificates are kept, unless the width of the intervals is another one;
-        the memory of frontiers starts over. The strategy is fixed at construction.
+        the memory of frontiers starts over.
         """
         old = self.configuration
         is_other_width = ((configuration.confidence_scale, configuration.revocation_scale)
                           != (old.confidence_scale, old.revocation_scale))
+        if configuration.strategy != old.strategy:
+            self._strategy = make_strategy(configuration.strategy)
         self.configuration = configuration
         if is_other_width:
             self._intervals = self._wide_open(configuration)
@@ -70,7 +72,9 @@ class SafePlanner:
     def _make_parts(self) -> None:
         """Make what holds no knowledge of the ground."""
         config = self.configuration
-        self._builder = RegionBuilder(self.grid, config.clearance, config.contour_tolerance)
+        self._inner: Mask | None = None
+        self._builder = RegionBuilder(self.grid, config.region_clearance,
+                                      config.contour_tolerance)
         self._mission = Mission(config, self.grid, self._strategy)
 
     def warm_up(self) -> None:
@@ -106,7 +110,7 @@ class SafePlanner:
 
     def update(self, slip_mean: FloatArray | None, slip_std: FloatArray | None,
                pose: FloatArray | None, goal: FloatArray | None, now: float,
-               keep_out: Mask | None = None) -> Plan:
+               keep_out: Mask | None = None, known_safe: Mask | None = None) -> Plan:
         """Plan one cycle.
 
         Parameters
@@ -120,6 +124,8 @@ class SafePlanner:
         now : float [s]
         keep_out : (rows, columns) bool
             Ground that is never certified.
+        known_safe : (rows, columns) bool
+            Ground that is certified without having been felt.
 
         Raises
         ------
@@ -133,11 +139,11 @@ class SafePlanner:
             raise PoseError('now', now, 'a finite time [s]')
         if slip_mean is None or slip_std is None or pose is None or position is None:
             return self._pack(verdicts.WAITING, None, self._empty_scene(goal, now), position)
-        admissible = self._admissible(keep_out)
+        admissible = self._admissible(keep_out, known_safe)
         self._felt = np.asarray(slip_mean, dtype=np.float64)
         std = np.asarray(slip_std, dtype=np.float64)
         bounds = self._intervals.update(self.strides.pessimistic(self._felt), std)
-        certified = self._safe_set.update(bounds, std, admissible, position)
+        certified = self._safe_set.update(bounds, std, admissible, position, known_safe)
         component = component_around(certified, self.grid, position)
         self._note_lost(component)
         region = self._region(certified, component, position)
@@ -150,10 +156,16 @@ class SafePlanner:
         decision, scores = self._mission.decide(scene)
         return self._pack(decision, scores, scene, position)
 
-    def _admissible(self, keep_out: Mask | None) -> Mask:
-        if keep_out is not None and keep_out.shape != self.grid.shape:
-            raise MapError(f'keep_out has shape {keep_out.shape}, expected {self.grid.shape}')
-        return admissible_cells(self.grid, self.configuration.border_width, keep_out)
+    def _admissible(self, keep_out: Mask | None, known_safe: Mask | None) -> Mask:
+        for name, mask in (('keep_out', keep_out), ('known_safe', known_safe)):
+            if mask is not None and mask.shape != self.grid.shape:
+                raise MapError(f'{name} has shape {mask.shape}, expected {self.grid.shape}')
+        if keep_out is not None:
+            return admissible_cells(self.grid, self.configuration.border_width, keep_out)
+        if self._inner is None:
+            self._inner = admissible_cells(self.grid, self.configuration.border_width)
+            self._inner.setflags(write=False)
+        return self._inner
 
     def _note_lost(self, component: Component) -> None:
         """Call a robot lost once it is well outside, and found once it is as good as back."""

@@ -17,6 +17,8 @@ from psane_planner.discs import Mask
 
 # What rounding to float32 in the distance transform may add [m].
 _ROUNDING = 1e-4
+# Distance of the lines on which the contour's vertices are kept [m].
+_ANCHOR_SPACING = 0.5
 
 
 class Region(NamedTuple):
@@ -202,11 +204,37 @@ def _window(used: NDArray[np.bool_], margin: int) -> slice:
 
 
 def _without_needless_vertices(piece: Polygon, tolerance: float) -> Polygon:
-    """Simplify each ring as a line, which keeps the vertex where the ring closes."""
-    rings = [shapely.LineString(ring.coords) for ring in (piece.exterior, *piece.interiors)]
-    outer, *holes = (ring.simplify(tolerance, preserve_topology=False).coords for ring in rings)
+    """Simplify each ring in stretches between fixed lines."""
+    outer, *holes = (_simplified(np.asarray(ring.coords), tolerance)
+                     for ring in (piece.exterior, *piece.interiors))
     is_flat = any(len(ring) < 4 for ring in (outer, *holes))
     return Polygon() if is_flat else Polygon(outer, holes)
+
+
+def _simplified(ring: FloatArray, tolerance: float) -> FloatArray:
+    """Drop vertices of a closed ring (n, 2), stretch by stretch.
+
+    A vertex of the contour lies on a line of the lattice. Those on every `_ANCHOR_SPACING` are
+    kept, and what lies between two of them is simplified for itself, so that a change in one place
+    moves no vertex in another.
+    """
+    lines_away = ring / _ANCHOR_SPACING
+    on_line = np.any(np.abs(lines_away - np.round(lines_away)) < 1e-6, axis=1)
+    anchors = np.flatnonzero(np.asarray(on_line)[:-1])
+    if anchors.size:
+        # Begin at an anchor: the contour's own beginning would be a vertex like no other.
+        ring = np.vstack((ring[anchors[0]:-1], ring[:anchors[0] + 1]))
+        anchors = np.append(anchors - anchors[0], len(ring) - 1)
+    else:
+        anchors = np.array((0, len(ring) - 1))
+    stretches = [ring[a:b + 1] for a, b in zip(anchors[:-1], anchors[1:], strict=True)]
+    sizes = [len(stretch) for stretch in stretches]
+    lines = shapely.linestrings(np.vstack(stretches),
+                                indices=np.repeat(np.arange(len(sizes)), sizes))
+    simple = shapely.simplify(lines, tolerance, preserve_topology=False)
+    points, of_line = shapely.get_coordinates(simple, return_index=True)
+    is_end = np.append(of_line[1:] != of_line[:-1], False)
+    return np.asarray(points[~is_end])
 
 
 def _is_like(shape: Polygon, original: Polygon) -> bool:

@@ -1,18 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node `safe_planner`: slip maps, odometry and a goal in; subgoal and safe region out."""
 
+from dataclasses import replace
+
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from rclpy.node import Node
 from visualization_msgs.msg import MarkerArray
 
 from psane_mapping import conversions
+from psane_mapping.errors import MessageError
 from psane_mapping.grid import FloatArray, Grid
-from psane_mapping.quality_of_service import DEFAULT, LATCHED, ODOMETRY_INPUT
+from psane_mapping.quality_of_service import COMMANDS, DEFAULT, LATCHED, ODOMETRY_INPUT
 from psane_mapping.ros_parameters import ParameterBridge
 from psane_mapping.running import Diagnostics, Intake, run_node
+from psane_msgs.action import NavigateSafely
 from psane_msgs.msg import FrontierArray, MapScale, PlannerStatus, SafeRegion
 from psane_planner.configuration import PlannerConfiguration
 from psane_planner.conversions import (
@@ -23,11 +27,15 @@ from psane_planner.conversions import (
     safe_map_cells,
     status_message,
 )
+from psane_planner.given_maps import GivenMaps
 from psane_planner.map_pair import MapPair
 from psane_planner.markers import plan_markers
+from psane_planner.navigation import End, ErrorCode
 from psane_planner.node_configuration import PlannerNodeConfiguration
 from psane_planner.planner import SafePlanner
+from psane_planner.ros_navigate_action import NavigateAction
 from psane_planner.status import Plan, PlannerState
+from psane_planner.strategies import AVAILABLE
 from psane_planner.trail import Trail
 
 WARM_UP_GRID = Grid.over_workspace(0.0, 0.0, 4.0, 4.0, 0.1)
@@ -50,11 +58,15 @@ class SafePlannerNode(Node):
         self._pose: FloatArray | None = None
         self._pose_time = -np.inf
         self._goal: FloatArray | None = None
+        self._is_exploring = settings.explore
+        self._asked = (0.0, 0.0)
+        self._given = GivenMaps()
         self._trail = Trail()
         self._plan: Plan | None = None
         self._sequence = 0
         self._advertise()
         self._subscribe()
+        self._action = NavigateAction(self, self._begin_errand, self._drop_goal)
         self._diagnostics = Diagnostics(self, self._intake, self._report)
         self.create_timer(1.0 / settings.plan_rate, self._cycle)
         self.create_timer(settings.republish_period, self._republish)
@@ -75,6 +87,9 @@ class SafePlannerNode(Node):
         take(OccupancyGrid, 'slip/std', self._take_std, LATCHED)
         take(MapScale, 'map_scale', self._take_scale, LATCHED)
         take(Odometry, 'odom', self._take_odometry, ODOMETRY_INPUT)
+        take(Twist, 'cmd_vel', self._take_command, COMMANDS)
+        take(OccupancyGrid, 'keep_out', self._take_keep_out, LATCHED)
+        take(OccupancyGrid, 'known_safe', self._take_known_safe, LATCHED)
         take(PoseStamped, 'goal_pose', self._take_goal, DEFAULT)
 
     def _now(self) -> float:
@@ -98,13 +113,51 @@ class SafePlannerNode(Node):
     def _take_odometry(self, message: Odometry) -> None:
         self._pose, self._pose_time = conversions.pose_of(
             message, self._node_bridge.configuration.odom_frame)
+        if self._planner is not None:
+            self._planner.note_motion(self._pose, *self._asked, self._pose_time)
         if self._trail.add(self._pose[:2]):
             self._path.publish(self._trail.message(self._pose_time, self._frame))
 
+    def _take_command(self, message: Twist) -> None:
+        self._asked = (message.linear.x, message.angular.z)
+
+    def _take_keep_out(self, message: OccupancyGrid) -> None:
+        self._given.take_keep_out(*conversions.cells_of(message, self._frame))
+
+    def _take_known_safe(self, message: OccupancyGrid) -> None:
+        self._given.take_known_safe(*conversions.cells_of(message, self._frame))
+
     def _take_goal(self, message: PoseStamped) -> None:
-        self._goal = conversions.point_of(message, self._frame)
-        x, y = self._goal
-        self.get_logger().info(f'new goal ({x:.2f}, {y:.2f}) m')
+        goal = conversions.point_of(message, self._frame)
+        self._action.preempt()
+        self._set_goal(goal)
+
+    def _set_goal(self, goal: FloatArray | None) -> None:
+        self._goal = goal
+        self._is_exploring = goal is None
+        words = 'explore' if goal is None else f'new goal ({goal[0]:.2f}, {goal[1]:.2f}) m'
+        self.get_logger().info(words)
+
+    def _drop_goal(self) -> None:
+        """Have no task any more, unless the node explores by itself."""
+        self._goal = None
+        self._is_exploring = self._node_bridge.configuration.explore
+
+    def _begin_errand(self, request: NavigateSafely.Goal) -> End | None:
+        """Take an errand of the action; return why it cannot be taken."""
+        strategy = request.strategy or self._bridge.configuration.strategy
+        if strategy not in AVAILABLE:
+            return End(ErrorCode.INVALID_STRATEGY,
+                       f'unknown strategy {strategy!r}; available: {sorted(AVAILABLE)}')
+        try:
+            goal = None if request.explore else conversions.point_of(request.goal, self._frame)
+        except MessageError as problem:
+            return End(ErrorCode.INVALID_FRAME, str(problem))
+        if self._planner is not None:
+            self._planner.reconfigure(
+                replace(self._bridge.configuration, strategy=strategy))
+        self._set_goal(goal)
+        return None
 
     def _cycle(self) -> None:
         """Plan on the newest map that is whole, and publish what came out."""
@@ -117,12 +170,14 @@ class SafePlannerNode(Node):
             return
         settings = self._node_bridge.configuration
         is_stale = now - self._pose_time > settings.odometry_age_limit
-        if self._goal is None and not settings.explore:
+        if self._goal is None and not self._is_exploring:
             plan = self._planner.idle(now)
         else:
             plan = self._planner.update(newest.mean, newest.std,
-                                        None if is_stale else self._pose, self._goal, now)
+                                        None if is_stale else self._pose, self._goal, now,
+                                        *self._given.masks_on(newest.grid))
         self._publish(plan, now)
+        self._action.take(plan, self._trail.length, self._frame)
 
     def _publish(self, plan: Plan, now: float) -> None:
         """Publish the subgoal first: who reads the status then has the subgoal that it means."""
@@ -143,8 +198,9 @@ class SafePlannerNode(Node):
 
     def _publish_region(self, plan: Plan, now: float) -> None:
         self._sequence += 1
-        self._region.publish(region_message(plan.region, self._bridge.configuration.clearance,
-                                            self._sequence, now, self._frame))
+        clearance = self._bridge.configuration.region_clearance
+        self._region.publish(region_message(plan.region, clearance, self._sequence, now,
+                                            self._frame))
 
     def _publish_safe_map(self, plan: Plan, now: float) -> None:
         if self._grid is not None:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The certified cells: where slip stays below the threshold with the chosen confidence."""
 
+import math
+
 import numpy as np
 
 from psane_mapping.grid import FloatArray, Grid
@@ -8,6 +10,7 @@ from psane_planner.component import component_around
 from psane_planner.confidence import Bounds
 from psane_planner.configuration import PlannerConfiguration
 from psane_planner.discs import NO_DISC, Mask, squared_radii, union_of_discs
+from psane_planner.window import window_around
 
 
 def admissible_cells(grid: Grid, border_width: float, keep_out: Mask | None = None) -> Mask:
@@ -53,7 +56,7 @@ class SafeSet:
         self.mask: Mask = np.zeros(grid.shape, dtype=np.bool_) if mask is None else mask
 
     def update(self, bounds: Bounds, std: FloatArray, admissible: Mask,
-               position: FloatArray) -> Mask:
+               position: FloatArray, known_safe: Mask | None = None) -> Mask:
         """Return S_t.
 
         Parameters
@@ -66,6 +69,8 @@ class SafeSet:
             Cells that may be certified.
         position : (2,) float, map frame [m]
             The robot's, used for S_0 only.
+        known_safe : (rows, columns) bool, optional
+            Cells that are certified unasked, until they are known to be unsafe.
         """
         h = self._configuration.slip_threshold
         previous = self.mask & admissible
@@ -81,6 +86,8 @@ class SafeSet:
             certified = near.mask if close else np.zeros_like(own)
         if self._configuration.monotone:
             certified = certified | previous
+        if known_safe is not None:
+            certified = certified | (known_safe & admissible & ~(bounds.lower > h))
         certified.setflags(write=False)
         self.mask = certified
         return certified
@@ -90,9 +97,17 @@ class SafeSet:
         config = self._configuration
         if config.felt_slope == 0.0:
             return np.ones(std.shape, dtype=np.bool_)
-        felt = std <= config.felt_deviation
-        radii = np.full(std.shape, NO_DISC, dtype=np.int64)
-        limit = std.shape[0] ** 2 + std.shape[1] ** 2
-        radii[felt] = squared_radii(bounds.newest[felt], config.slip_threshold,
-                                    config.felt_slope, self._grid.resolution, limit)
-        return union_of_discs(radii)
+        within = np.zeros(std.shape, dtype=np.bool_)
+        felt = (std <= config.felt_deviation) & (bounds.newest <= config.slip_threshold)
+        where = window_around(felt, 0)
+        if where is None:
+            return within
+        newest = bounds.newest[where]
+        reach = (config.slip_threshold - float(newest[felt[where]].min())) / config.felt_slope
+        where = window_around(felt, math.ceil(reach / self._grid.resolution)) or where
+        felt, newest = felt[where], bounds.newest[where]
+        radii = np.full(felt.shape, NO_DISC, dtype=np.int64)
+        radii[felt] = squared_radii(newest[felt], config.slip_threshold, config.felt_slope,
+                                    self._grid.resolution, felt.shape[0]**2 + felt.shape[1]**2)
+        within[where] = union_of_discs(radii)
+        return within

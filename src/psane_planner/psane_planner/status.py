@@ -44,6 +44,8 @@ class Decision:
         The ground that is to be felt from the subgoal.
     march : bool
         The legs are to keep feeling on the spot.
+    is_refused : bool
+        The goal is not taken; the cause says why, the remedy names the nearest that would be.
     """
 
     state: PlannerState
@@ -54,6 +56,7 @@ class Decision:
     subgoal_note: str = ''
     focus: FloatArray | None = None
     march: bool = False
+    is_refused: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -111,6 +111,8 @@ class StrideMonitor:
         strength = float(self._curve.inverse(np.clip(felt, 0.0, 0.95)))
         if not math.isfinite(strength):
             return
+        if self._variance == 0.0:
+            return
         slope = float(self._curve.derivative(strength)) * strength
         noise = self._configuration.stride_deviation**2
         total = slope**2 * self._variance + noise

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Find the frontier of a scene and score it the way a strategy asks for."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from psane_planner.region import Region
 from psane_planner.scene import Scene
 from psane_planner.scores import FrontierScores, score_frontier
 from psane_planner.strategies import Traits
+from psane_planner.window import window_around
 
 
 class Survey(NamedTuple):
@@ -67,12 +69,25 @@ class FrontierSurveyor:
         """Return the way from the robot to frontier cells (n, 2), turning included, (n,) [m]."""
         if not self._traits.is_geodesic:
             return _straight(points, scene.position)
-        field = distance_along(region.cells, self._grid, scene.position)
-        way = distance_within_reach(field, cells, self._grid, self._configuration.sensing_reach)
+        way = self._way_along(region, scene.position, cells)
         aside = points - scene.position
         turn = np.arctan2(aside[:, 1], aside[:, 0]) - scene.heading
         turn = np.abs((turn + np.pi) % (2.0 * np.pi) - np.pi)
         return np.asarray(way + self._configuration.turning_length * turn)
+
+    def _way_along(self, region: Region, position: FloatArray, cells: Integers) -> FloatArray:
+        """Return the way inside the region, and on to cells beside it, (n,) [m]."""
+        reach = self._configuration.sensing_reach
+        where = window_around(region.cells, math.ceil(reach / self._grid.resolution) + 1)
+        if where is None:
+            return np.full(len(cells), np.inf)
+        part = where.of(self._grid)
+        field = distance_along(region.cells[where], part, position)
+        inside = cells - (where.rows.start, where.columns.start)
+        way = np.full(len(cells), np.inf)
+        near = ((inside >= 0) & (inside < part.shape)).all(axis=1)
+        way[near] = distance_within_reach(field, inside[near], part, reach)
+        return way
 
     def _with_goal(self, scene: Scene, possible: Mask, cells: Integers, points: FloatArray,
                    to_robot: FloatArray, eligible: Mask) -> tuple[FloatArray, bool]:

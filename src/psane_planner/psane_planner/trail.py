@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The way that the robot has come, thinned out."""
 
+import math
+
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 
@@ -15,10 +17,11 @@ LONGEST = 20_000
 
 
 class Trail:
-    """Keeps a point for every step of `SPACING`."""
+    """Keeps a point for every step of `SPACING`; `length` is that of the whole way [m]."""
 
     def __init__(self) -> None:
         self._points: list[FloatArray] = []
+        self.length = 0.0
         self._poses: list[PoseStamped] = []
 
     def add(self, point: FloatArray) -> bool:
@@ -27,6 +30,7 @@ class Trail:
             step = point - self._points[-1]
             if float(step @ step) < SPACING**2:
                 return False
+            self.length += math.sqrt(float(step @ step))
         self._points.append(point)
         del self._points[:-LONGEST]
         return True

@@ -18,7 +18,8 @@ IDLE = Decision(state=PlannerState.WAITING, cause='there is no task',
 
 def refused(refusal: Refusal) -> Decision:
     """Say why the goal is not taken."""
-    return Decision(state=PlannerState.STALLED, cause=refusal.cause, remedy=refusal.remedy)
+    return Decision(state=PlannerState.STALLED, cause=refusal.cause, remedy=refusal.remedy,
+                    is_refused=True)
 
 
 def without_region(scene: Scene, lasted: float, configuration: PlannerConfiguration) -> Decision:
