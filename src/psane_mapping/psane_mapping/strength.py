@@ -41,6 +41,7 @@ class Reason(enum.Enum):
     POOR_FIT = 'the force does not follow the predicted one'
     IMPLAUSIBLE = 'stronger or weaker than any ground'
     OUTSIDE_MAP = 'felt outside the map'
+    DUPLICATE = 'came before'
 
 
 @dataclass(frozen=True, kw_only=True)
