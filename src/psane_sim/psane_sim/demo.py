@@ -9,6 +9,7 @@ from types import FrameType
 
 from psane_mapping.errors import ParameterError
 from psane_planner.configuration import PlannerConfiguration
+from psane_sim.bag_summary import BAG, in_short
 from psane_sim.closed_loop import ClosedLoop, Settings
 from psane_sim.configuration import SimulatorConfiguration
 from psane_sim.demo_options import Assignment, assignment_of, parse
@@ -72,7 +73,7 @@ def _run_on_graph(assignment: Assignment, options: argparse.Namespace,
     from psane_sim.graph_run import GraphRun, GraphSettings
     PlannerConfiguration(slip_threshold=assignment.task.threshold)
     graph = GraphRun(assignment, GraphSettings(out=options.out, pace=options.pace,
-                                               gui=options.gui))
+                                               gui=options.gui, record=options.record))
     outcome, score = graph.run(line.show)
     return graph.record, outcome, score
 
@@ -87,6 +88,8 @@ def _report(assignment: Assignment, record: RunRecord, outcome: Outcome, score: 
     title = f'{task.strategy} on {task.terrain}, seed {task.seed}: {outcome.ending.value}'
     draw_run(record, assignment.terrain, task.threshold, title, options.out / 'run.png')
     print(f'  summary and picture   {options.out}/summary.json, {options.out}/run.png')
+    if options.record:
+        print(f'  bag                   {in_short(options.out / BAG)}')
     if outcome.ending is Ending.NODE_DIED:
         return NODE_DIED
     return SUCCESS if summary['success'] else NO_SUCCESS

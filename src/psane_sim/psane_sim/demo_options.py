@@ -70,6 +70,8 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument('--pace', type=float, default=2.0, metavar='X',
                       help='on the graph: simulated seconds for each second on the wall, where '
                       'the machine can keep up (default 2)')
+    made.add_argument('--record', action='store_true',
+                      help='on the graph: record all topics into a rosbag2 bag, DIR/bag')
     made.add_argument('--gui', action='store_true', help="show the physics engine's window")
     made.add_argument('--out', type=Path, metavar='DIR',
                       help='where summary, picture and logs go (default '
@@ -97,6 +99,8 @@ def assignment_of(options: argparse.Namespace) -> Assignment:
     _require('--duration', options.duration, 1.0, LONGEST, 's')
     _require('--seed', options.seed, 0, 2**31 - 1, '')
     _require('--pace', options.pace, 0.01, 100.0, '')
+    if options.record and options.in_process:
+        raise TaskError('--record: a run in one process has no topics; leave out --in-process')
     terrain = load_terrain(options.terrain)
     start = terrain.start if options.start is None else tuple(options.start)
     goal = None if options.explore else (options.goal or terrain.goal)

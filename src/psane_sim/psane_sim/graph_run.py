@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run on a real ROS 2 graph: five nodes, each its own process, on this machine alone."""
 
+import shutil
 import sys
 import time
 from collections.abc import Callable
@@ -13,6 +14,7 @@ import rclpy
 from psane_mapping.configuration import MappingConfiguration
 from psane_mapping.grid import Grid
 from psane_planner.status import PlannerState
+from psane_sim.bag_summary import BAG
 from psane_sim.closed_loop import ENDINGS
 from psane_sim.demo_options import Assignment
 from psane_sim.errors import GraphError
@@ -34,7 +36,7 @@ LISTENERS = {'contact_sensor': 'psane_sim', 'terrain_mapper': 'psane_mapping',
              'safe_planner': 'psane_planner', 'reactive_controller': 'psane_reactive'}
 """Nodes that must be up before the world begins, and their packages."""
 
-SIMULATOR = 'hexapod_sim'
+SIMULATOR, RECORDER = 'hexapod_sim', 'recorder'
 STARTING, SILENCE, STANDING = 180.0, 20.0, 0.05
 """Longest start of the nodes (the very first one compiles) and longest silence of the clock, both
 on the wall [s]; a robot slower than the last one stands [m/s]."""
@@ -51,11 +53,14 @@ class GraphSettings:
     pace : float
         Simulated seconds for each second on the wall.
     gui : bool
+    record : bool
+        Record all topics into a bag in `out`.
     """
 
     out: Path
     pace: float
     gui: bool
+    record: bool = False
 
 
 class GraphRun:
@@ -88,6 +93,8 @@ class GraphRun:
         processes = Processes(self._settings.out / 'logs')
         for name, package in LISTENERS.items():
             processes.start(name, self._command(name, package))
+        if self._settings.record:
+            processes.start(RECORDER, self._recording())
         rclpy.init(args=[])
         try:
             observer = Observer(self.record, self._scorer)
@@ -95,6 +102,8 @@ class GraphRun:
             ending, cause = self._follow(observer, processes, show)
             wall = time.monotonic() - began
         finally:
+            # The recorder last, so that it hears what the others say at their end.
+            processes.stop(*(name for name in processes.names if name != RECORDER))
             processes.stop()
             rclpy.try_shutdown()
         self._score_truth()
@@ -107,13 +116,20 @@ class GraphRun:
         return [sys.executable, str(executable(package, name)),
                 *ros_arguments(self._parameters(name))]
 
+    def _recording(self) -> list[str]:
+        """Return the command that records, and make room for its bag."""
+        bag = self._settings.out / BAG
+        shutil.rmtree(bag, ignore_errors=True)
+        return [sys.executable, str(executable('psane_sim', 'record')), '--out', str(bag)]
+
     def _parameters(self, name: str) -> dict[str, object]:
         task, settings = self._assignment.task, self._settings
         if name == SIMULATOR:
             x, y, yaw = self._assignment.start_pose
             return {'terrain': task.terrain, 'use_start': True, 'start_x': x, 'start_y': y,
                     'start_yaw': yaw, 'seed': task.seed, 'pace': settings.pace,
-                    'gui': settings.gui, 'truth_file': self._truth_file.resolve()}
+                    'gui': settings.gui, 'truth_file': self._truth_file.resolve(),
+                    'awaited_listener': RECORDER if settings.record else "''"}
         parameters: dict[str, object] = {'use_sim_time': True}
         if name == 'safe_planner':
             parameters.update(strategy=task.strategy, slip_threshold=task.threshold,
@@ -144,7 +160,8 @@ class GraphRun:
             When they do not come up in time.
         """
         deadline = time.monotonic() + STARTING
-        while missing := sorted(set(LISTENERS) - observer.present_nodes()):
+        awaited = {*LISTENERS, *((RECORDER,) if self._settings.record else ())}
+        while missing := sorted(awaited - observer.present_nodes()):
             self._spin(observer, processes)
             show(observer.starting(missing))
             if time.monotonic() > deadline:

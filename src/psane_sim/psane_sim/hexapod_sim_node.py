@@ -56,6 +56,7 @@ class HexapodSimNode(Node):
         self._diagnostics = Diagnostics(self, self._intake, self._report)
         self._pacer = Pacer(self._settings.pace, time.monotonic())
         self._ticks = 0
+        self._has_begun = not self._settings.awaited_listener
         self.create_timer(2e-3, self._catch_up, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _make_simulator(self, configuration: SimulatorConfiguration,
@@ -88,9 +89,20 @@ class HexapodSimNode(Node):
 
     def _catch_up(self) -> None:
         """Simulate what the wall clock asks for, a few sensor periods at most."""
+        if not self._has_begun:
+            self._has_begun = self._is_heard_by(self._settings.awaited_listener)
+            return
         wall = time.monotonic()
         for _ in range(self._pacer.due(wall, self._simulator.time, SENSOR_PERIOD * 1e-3)):
             self._advance()
+
+    def _is_heard_by(self, listener: str) -> bool:
+        """Tell whether a node listens to all that is published here at a steady rate."""
+        return all(
+            any(info.node_name == listener
+                for info in self.get_subscriptions_info_by_topic(publisher.topic_name))
+            for publisher in (self._clock_publisher, self._odometry, self._joints,
+                              self._wrenches, self._imu))
 
     def _advance(self) -> None:
         """Simulate one sensor period and publish what was measured at its end."""

@@ -30,6 +30,9 @@ class SimulatorNodeConfiguration(Configuration):
     truth_file: str = parameter(
         '', 'write the true poses to this CSV file, for scoring (they are on no topic)',
         read_only=True)
+    awaited_listener: str = parameter(
+        '', 'time begins when the node of this name listens to all topics of the simulator, so '
+        'that a recorder misses nothing', read_only=True)
     map_frame: str = parameter('map', 'fixed frame of transforms', read_only=True)
     odom_frame: str = parameter('odom', 'frame of odometry', read_only=True)
     base_frame: str = parameter('base_link', 'frame of the body', read_only=True)
