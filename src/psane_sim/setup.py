@@ -36,6 +36,7 @@ setup(
             'calibrate = psane_sim.calibrate:main',
             'soil_figures = psane_sim.soil_figures:main',
             'check = psane_sim.check:main',
+            'viewer = psane_sim.viewer:main',
         ],
     },
 )
