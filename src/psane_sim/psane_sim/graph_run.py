@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import rclpy
+from rclpy.signals import SignalHandlerOptions
 
 from psane_mapping.configuration import MappingConfiguration
 from psane_mapping.grid import Grid
@@ -88,7 +89,8 @@ class GraphRun:
         processes = Processes(self._settings.out / 'logs')
         for name, package in LISTENERS.items():
             processes.start(name, self._command(name, package))
-        rclpy.init(args=[])
+        # Its own handlers would shut the context down under the observer before Ctrl-C is noticed.
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         try:
             observer = Observer(self.record, self._scorer)
             began = time.monotonic()

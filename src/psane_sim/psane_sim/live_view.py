@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from psane_mapping.grid import FloatArray, Grid
 from psane_mapping.leg import RobotModel
+from psane_sim.view_board import Board, Curve
+from psane_sim.view_camera import CLOSE, overview_of, point_camera
 from psane_sim.view_colours import shades_of
 from psane_sim.view_data import Click, Situation
 from psane_sim.view_ground import GroundView
@@ -19,8 +21,8 @@ from psane_sim.view_panel import Panel
 from psane_sim.view_recording import Recording
 from psane_sim.view_robot_scene import RobotScene
 from psane_sim.view_series import RealTimeFactor, Series
-from psane_sim.view_server import look_at
 from psane_sim.view_shapes import ground_under
+from psane_sim.view_words import clock
 
 SLOW_PERIOD, PLOT_PERIOD = 0.5, 1.0
 """Time on the wall between drawings of maps, and of plots [s]; the robot is drawn each time."""
@@ -46,6 +48,7 @@ class LiveView:
                  record: bool = False) -> None:
         self._server = server
         self._recording = Recording(server) if record else None
+        self._board = Board(server.scene) if record else None
         self._ground = GroundView(server.scene)
         self._robots = {robot: RobotScene(server.scene, robot, model) for robot in robots}
         self._panel = Panel(server.gui, robots, self._ground, self._show)
@@ -60,6 +63,7 @@ class LiveView:
         self._drawn = self._plotted = -math.inf
         self._grid: Grid | None = None
         server.scene.on_click()(self._take_click)
+        self._panel.on_look(self._look_at_robot, self._look_at_ground)
 
     def robot(self, name: str) -> RobotScene:
         """Return the drawing of a robot, to be told what is new."""
@@ -113,6 +117,8 @@ class LiveView:
                 self._ground.draw()
                 self._draw_contacts()
                 self._panel.tick(self._time, self._factor.value)
+                if self._board is not None:
+                    self._board.tick(clock(self._time, self._factor.value), self._grid)
         if wall - self._plotted >= PLOT_PERIOD:
             self._plotted = wall
             self._plot()
@@ -126,10 +132,18 @@ class LiveView:
     def _frame(self, grid: Grid) -> None:
         """Let new pages look at the whole of the ground."""
         if self._grid is None:
-            width, height = grid.columns * grid.resolution, grid.rows * grid.resolution
-            middle = (grid.origin_x + width / 2.0, grid.origin_y + height / 2.0)
-            look_at(self._server, middle, max(width, height))
+            point_camera(self._server.initial_camera, *overview_of(grid))
         self._grid = grid
+
+    def _look_at_robot(self, client: viser.ClientHandle) -> None:
+        """Bring a page's camera close to the robot whose goal a click would set."""
+        place = self._robots[self._panel.robot_in_focus].place
+        if place is not None:
+            point_camera(client.camera, place, CLOSE)
+
+    def _look_at_ground(self, client: viser.ClientHandle) -> None:
+        if self._grid is not None:
+            point_camera(client.camera, *overview_of(self._grid))
 
     def _plot(self) -> None:
         if math.isfinite(self._factor.value):
@@ -137,6 +151,16 @@ class LiveView:
         histories = self._history.values()
         self._panel.plot([distance.columns() for distance, _ in histories],
                          [area.columns() for _, area in histories], self._factors.columns())
+        if self._board is not None and self._grid is not None:
+            self._board.draw(self._curves(), self._grid)
+
+    def _curves(self) -> list[Curve]:
+        curves = []
+        for robot, (distance, area) in self._history.items():
+            whose = f'{robot} ' if robot else ''
+            curves += [_curve(f'{whose}to the goal [m]', distance),
+                       _curve(f'{whose}certified [m²]', area)]
+        return [*curves, _curve('real-time factor', self._factors)]
 
     def _draw_contacts(self) -> None:
         if not self._new_contacts:
@@ -166,3 +190,8 @@ class LiveView:
             return
         if self._grid is None or self._grid.contains(point):
             self._clicks.append(Click(robot=robot, point=point))
+
+
+def _curve(name: str, series: Series) -> Curve:
+    times, values = series.columns()
+    return name, times, values

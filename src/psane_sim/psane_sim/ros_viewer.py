@@ -5,6 +5,7 @@ import argparse
 import math
 import signal
 import time
+from collections.abc import Callable
 from pathlib import Path
 from types import FrameType
 
@@ -17,10 +18,13 @@ from nav_msgs.msg import Path as PathMessage
 from rclpy.clock import Clock, ClockType
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock as ClockMessage
 from sensor_msgs.msg import JointState
 
 from psane_mapping import conversions
+from psane_mapping.grid import FloatArray
 from psane_mapping.leg import RobotModel
 from psane_mapping.map_cells import slip_of_cells
 from psane_mapping.quality_of_service import (
@@ -80,11 +84,11 @@ class Viewer(Node):
         take(OccupancyGrid, 'slip/mean', self._take_mean, LATCHED)
         take(OccupancyGrid, 'slip/std', self._take_std, LATCHED)
         take(TerrainSample, 'terrain_samples', self._take_sample, CONTACTS)
-        self._publishers = {robot: self._follow(robot) for robot in robots}
+        self._goal_topics = {robot: self._follow(robot) for robot in robots}
         self._diagnostics = Diagnostics(self, self._intake, self._report)
         self.create_timer(DRAW_PERIOD, self._draw, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
-    def _follow(self, robot: str):  # type: ignore[no-untyped-def]
+    def _follow(self, robot: str) -> Publisher:
         """Subscribe to the topics of a robot; return the publisher of its goals."""
         hears = _RobotEars(self._view, robot, self._frame, self._note_time)
         start = f'{robot}/' if robot else ''
@@ -132,7 +136,7 @@ class Viewer(Node):
     def _draw(self) -> None:
         self._view.draw(time.monotonic())
         for click in self._view.clicks():
-            self._publishers[click.robot].publish(
+            self._goal_topics[click.robot].publish(
                 conversions.pose_message(click.point, 0.0, self._time, self._frame))
             self._goals += 1
             x, y = click.point
@@ -146,11 +150,12 @@ class Viewer(Node):
 class _RobotEars:
     """Turns the messages of one robot into what the view takes."""
 
-    def __init__(self, view: LiveView, robot: str, frame: str, note_time) -> None:  # type: ignore[no-untyped-def]
+    def __init__(self, view: LiveView, robot: str, frame: str,
+                 note_time: Callable[[float], None]) -> None:
         self._view, self._robot, self._frame = view, robot, frame
         self._scene = view.robot(robot)
         self._note_time = note_time
-        self._subgoal = None
+        self._subgoal: FloatArray | None = None
 
     def take_odometry(self, message: Odometry) -> None:
         sample = odometry_of(message, message.header.frame_id)
@@ -215,7 +220,8 @@ def serve(options: argparse.Namespace, model: RobotModel, arguments: list[str]) 
     server = open_server(options.host, options.port)
     export: Path | None = options.export
     view = LiveView(server, options.robots, model, record=export is not None)
-    rclpy.init(args=arguments)
+    # Its own handlers would shut the context down before Ctrl-C is noticed.
+    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     signal.signal(signal.SIGTERM, _interrupt)
     node = Viewer(view, options.robots, options.frame, arguments)
     print(f'psane viewer: {address_of(server)}', flush=True)

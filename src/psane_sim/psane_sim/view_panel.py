@@ -2,6 +2,7 @@
 """The panel beside the live view: words, plots, and what is shown."""
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import viser
@@ -45,8 +46,9 @@ class Panel:
         self._toggle(gui, 'contacts', show)
         self._toggle(gui, 'forces', show)
         self._click = gui.add_checkbox('a click sets the goal', True)
-        self._whose = (gui.add_dropdown('goal of', self._robots, initial_value=self._robots[0])
+        self._whose = (gui.add_dropdown('robot', self._robots, initial_value=self._robots[0])
                        if len(self._robots) > 1 else None)
+        self._near, self._far = gui.add_button('look at the robot'), gui.add_button('look at all')
         names = [robot or 'robot' for robot in robots]
         self._distance = _plot(gui, 'distance to the goal [m]', names)
         self._area = _plot(gui, 'certified area [m²]', names)
@@ -72,9 +74,18 @@ class Panel:
     @property
     def robot_of_clicks(self) -> str | None:
         """Whose goal a click sets; None when clicks set none."""
-        if not self._click.value:
-            return None
+        return self.robot_in_focus if self._click.value else None
+
+    @property
+    def robot_in_focus(self) -> str:
+        """The robot that goals and the close camera are for."""
         return self._robots[0] if self._whose is None else self._whose.value
+
+    def on_look(self, near: Callable[[viser.ClientHandle], None],
+                far: Callable[[viser.ClientHandle], None]) -> None:
+        """Say what the two buttons do with the page on which they were pressed."""
+        for button, act in ((self._near, near), (self._far, far)):
+            button.on_click(_for_client(act))
 
     def tell(self, robot: str, situation: Situation) -> None:
         """Say what a planner says."""
@@ -92,6 +103,14 @@ class Panel:
             data = _on_one_axis(columns)
             if len(data[0]) > 1:
                 handle.data = data
+
+
+def _for_client(act: Callable[[viser.ClientHandle], None]
+                ) -> Callable[[viser.GuiEvent[Any]], None]:
+    def pressed(event: viser.GuiEvent[Any]) -> None:
+        if event.client is not None:
+            act(event.client)
+    return pressed
 
 
 def _plot(gui: viser.GuiApi, title: str, names: Sequence[str]) -> viser.GuiUplotHandle:

@@ -40,14 +40,21 @@ class RobotScene:
         self._body = RobotView(scene, f'/{node}', model)
         self._plan = PlanView(scene, f'/{node}_plan')
         self.situation: Situation | None = None
+        self._place: FloatArray | None = None
         self._pose: tuple[FloatArray, FloatArray] | None = None
         self._angles: FloatArray | None = None
         self._forces: FloatArray | None = None
         self._slow: dict[str, Any] = {}
 
+    @property
+    def place(self) -> FloatArray | None:
+        """Where the body was last (3,), map frame [m]."""
+        return self._place
+
     def take_pose(self, position: FloatArray, quaternion: FloatArray) -> None:
         """Take where the body is: position (3,) [m] and attitude x y z w, map frame."""
         self._pose = (position, quaternion)
+        self._place = position
 
     def take_joints(self, angles: FloatArray) -> None:
         """Take the hip angles (6,) [rad]."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The server of the live view: what listens where, and the light and camera of the scene."""
+"""The server of the live view: what listens where, and the light of the scene."""
 
 import contextlib
 import io
@@ -51,14 +51,6 @@ def open_server(host: str = LOOPBACK, port: int = 0) -> viser.ViserServer:
     server.scene.world_axes.visible = False
     server.scene.configure_default_lights(True, cast_shadow=False)
     return server
-
-
-def look_at(server: viser.ViserServer, middle: tuple[float, float], width: float) -> None:
-    """Let new pages look at the middle of a square of a width [m] from the south."""
-    x, y = middle
-    server.initial_camera.position = (x, y - 0.75 * width, 0.95 * width)
-    server.initial_camera.look_at = (x, y, 0.0)
-    server.initial_camera.up = (0.0, 0.0, 1.0)
 
 
 def address_of(server: viser.ViserServer) -> str:
