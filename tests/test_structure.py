@@ -40,7 +40,8 @@ ROSDEP_KEYS = {
     'sklearn': 'python3-sklearn', 'yaml': 'python3-yaml',
 }
 # Looked for at run time, done without where missing.
-OPTIONAL_IMPORTS = {'GPy', 'distributed', 'gpytorch', 'rasterio', 'tf2_msgs', 'tf2_ros', 'torch'}
+OPTIONAL_IMPORTS = {'GPy', 'distributed', 'gpytorch', 'rasterio', 'tf2_msgs', 'tf2_ros', 'torch',
+                    'viser'}
 
 
 def manifest(package):

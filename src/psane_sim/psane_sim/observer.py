@@ -21,7 +21,7 @@ from psane_sim.progress import Progress
 from psane_sim.run_record import RunRecord
 from psane_sim.scoring import Scorer
 
-FRAME = 'map'
+FRAME, PLANNER = 'map', 'safe_planner'
 
 
 class Observer(Node):
@@ -57,8 +57,9 @@ class Observer(Node):
         intake.subscribe(PoseStamped, 'subgoal', self._take_subgoal, LATCHED)
 
     def is_heard(self) -> bool:
-        """Tell whether a planner listens for goals."""
-        return self._goal.get_subscription_count() > 0
+        """Tell whether the planner listens for goals; others may, such as a recorder."""
+        return any(info.node_name == PLANNER
+                   for info in self.get_subscriptions_info_by_topic(self._goal.topic_name))
 
     def send_goal(self, goal: tuple[float, float]) -> None:
         """Publish the goal (x, y), map frame [m]."""

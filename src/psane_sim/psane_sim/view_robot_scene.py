@@ -14,7 +14,7 @@ from psane_sim.view_plan import PlanView
 from psane_sim.view_robot import RobotView
 from psane_sim.view_words import headline
 
-WORDS_ABOVE = 0.35
+WORDS_ABOVE = 0.6
 """Height of the words above the body [m]."""
 
 
