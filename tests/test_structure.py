@@ -41,7 +41,7 @@ ROSDEP_KEYS = {
 }
 # Looked for at run time, done without where missing.
 OPTIONAL_IMPORTS = {'GPy', 'distributed', 'gpytorch', 'mcap', 'rasterio', 'rosbags', 'tf2_msgs',
-                    'tf2_ros', 'torch'}
+                    'tf2_ros', 'torch', 'viser'}
 
 
 def manifest(package):

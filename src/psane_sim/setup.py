@@ -38,6 +38,7 @@ setup(
             'check = psane_sim.check:main',
             'record = psane_sim.record:main',
             'replay = psane_sim.replay:main',
+            'viewer = psane_sim.viewer:main',
         ],
     },
 )

@@ -17,6 +17,7 @@ from psane_mapping.leg import RobotModel
 from psane_mapping.map_cells import SLIP_MEAN, SLIP_STD, MapSteps, cells_of_maps, slip_of_cells
 from psane_mapping.mapper import TerrainMapper, TerrainSample
 from psane_planner.configuration import PlannerConfiguration
+from psane_planner.discs import Mask
 from psane_planner.planner import SafePlanner
 from psane_planner.status import Plan, PlannerState
 from psane_reactive.configuration import ReactiveConfiguration
@@ -66,10 +67,19 @@ class ClosedLoop:
         The true ground; only the simulator and the scorer see it.
     start_pose : (x, y, yaw), map frame [m], [rad]
     settings : Settings
+    mapper : TerrainMapper, optional
+        A map that other robots share; one of its own if there is none.
+
+    Attributes
+    ----------
+    is_waiting : bool
+        The robot has no task yet.
+    keep_out : (rows, columns) bool or None
+        Ground that is not to be certified now.
     """
 
     def __init__(self, task: Task, terrain: Terrain, start_pose: tuple[float, float, float],
-                 settings: Settings) -> None:
+                 settings: Settings, mapper: TerrainMapper | None = None) -> None:
         self._task = task
         self._goal = None if task.goal is None else np.array(task.goal)
         self._settings = settings
@@ -78,7 +88,7 @@ class ClosedLoop:
         self._sensors = Sensors(settings.simulator, task.seed)
         self._contact_sensor = ContactSensor(settings.touch, settings.robot)
         self._contact_sensor.warm_up()
-        self._mapper = TerrainMapper(settings.mapping)
+        self._mapper = mapper or TerrainMapper(settings.mapping)
         self._mapper.warm_up()
         self._planner = SafePlanner(settings.planner, self._mapper.grid)
         self._planner.warm_up()
@@ -92,6 +102,8 @@ class ClosedLoop:
         self._planned: tuple[FloatArray, FloatArray] | None = None
         self._planned_version = -1
         self.plan: Plan | None = None
+        self.is_waiting = False
+        self.keep_out: Mask | None = None
 
     def run(self, show: Callable[[Progress], None] | None = None) -> tuple[Outcome, Score]:
         """Run until the planner ends, the time is over or the user interrupts."""
@@ -99,27 +111,41 @@ class ClosedLoop:
         ending, tick = Ending.TIMEOUT, 0
         try:
             for tick in range(0, round(1000.0 * self._task.duration), SENSOR_PERIOD):
-                self._advance(tick)
+                self.advance(tick)
                 if self.plan is not None and tick % PLAN_PERIOD == 0:
                     if show is not None:
-                        show(self._progress())
+                        show(self.progress())
                     if self.plan.state in ENDINGS:
                         ending = ENDINGS[self.plan.state]
                         break
         except KeyboardInterrupt:
             ending = Ending.INTERRUPTED
         finally:
-            self._simulator.close()
-        return self._outcome(ending, time.monotonic() - began), self._scorer.score()
+            self.close()
+        return self.outcome(ending, time.monotonic() - began), self.score()
 
-    def _outcome(self, ending: Ending, wall: float) -> Outcome:
+    def close(self) -> None:
+        """Close the simulator."""
+        self._simulator.close()
+
+    @property
+    def position(self) -> tuple[float, float]:
+        """Where odometry says that the robot is, map frame [m]."""
+        return float(self._pose[0]), float(self._pose[1])
+
+    def score(self) -> Score:
+        """Return the score so far."""
+        return self._scorer.score()
+
+    def outcome(self, ending: Ending, wall: float) -> Outcome:
+        """Return how the run ended."""
         plan = self.plan
         cause = '' if plan is None or ending is Ending.REACHED else plan.cause
         return Outcome(ending=ending, cause=cause, time=self._simulator.time,
                        subgoals=0 if plan is None else plan.subgoal_count,
-                       contacts=self._mapper.accepted, wall=wall)
+                       contacts=len(self.record.contacts), wall=wall)
 
-    def _advance(self, tick: int) -> None:
+    def advance(self, tick: int) -> None:
         """Move on by one sensor period: sense, map, plan, steer, each at its own rate."""
         self._simulator.step(SENSOR_PERIOD)
         truth = self._simulator.truth()
@@ -155,7 +181,8 @@ class ClosedLoop:
     def _plan(self, now: float) -> None:
         """Plan on the newest maps, and hand region and subgoal to the controller."""
         maps = self._published_maps()
-        plan = self._planner.update(*maps, self._pose, self._goal, now)
+        plan = (self._planner.idle(now) if self.is_waiting else
+                self._planner.update(*maps, self._pose, self._goal, now, self.keep_out))
         self.plan = plan
         self._controller.set_region(plan.region, now)
         self._controller.set_subgoal(plan.subgoal, plan.march, plan.subgoal_is_goal, now)
@@ -182,8 +209,9 @@ class ClosedLoop:
         if plan.frontier is not None:
             record.frontier = plan.frontier.points
 
-    def _progress(self) -> Progress:
-        plan, contacts = self.plan, self._mapper.accepted
+    def progress(self) -> Progress:
+        """Return what the progress line shows."""
+        plan, contacts = self.plan, len(self.record.contacts)
         if plan is None:
             return Progress(time=self._simulator.time, distance=None, area=0.0,
                             contacts=contacts, state='WAITING')

@@ -71,10 +71,13 @@ def _run_on_graph(assignment: Assignment, options: argparse.Namespace,
                   line: ProgressLine) -> tuple[RunRecord, Outcome, Score]:
     # Only here, so that a run in one process needs no ROS.
     from psane_sim.graph_run import GraphRun, GraphSettings
+    from psane_sim.ros_view_process import live_view
     PlannerConfiguration(slip_threshold=assignment.task.threshold)
     graph = GraphRun(assignment, GraphSettings(out=options.out, pace=options.pace,
                                                gui=options.gui, record=options.record))
-    outcome, score = graph.run(line.show)
+    with live_view(options.view, options.out):
+        outcome, score = graph.run(line.show)
+        line.close()
     return graph.record, outcome, score
 
 

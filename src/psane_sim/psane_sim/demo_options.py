@@ -2,6 +2,7 @@
 """The demo's command line, and the task that it asks for."""
 
 import argparse
+import importlib.util
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -72,6 +73,9 @@ def parser() -> argparse.ArgumentParser:
                       'the machine can keep up (default 2)')
     made.add_argument('--record', action='store_true',
                       help='on the graph: record all topics into a rosbag2 bag, DIR/bag')
+    made.add_argument('--view', nargs='?', type=int, const=0, metavar='PORT',
+                      help='on the graph: show the run in the browser, at an address that is '
+                      'printed, and leave DIR/view.html (default port: any that is free)')
     made.add_argument('--gui', action='store_true', help="show the physics engine's window")
     made.add_argument('--out', type=Path, metavar='DIR',
                       help='where summary, picture and logs go (default '
@@ -101,6 +105,7 @@ def assignment_of(options: argparse.Namespace) -> Assignment:
     _require('--pace', options.pace, 0.01, 100.0, '')
     if options.record and options.in_process:
         raise TaskError('--record: a run in one process has no topics; leave out --in-process')
+    _check_view(options)
     terrain = load_terrain(options.terrain)
     start = terrain.start if options.start is None else tuple(options.start)
     goal = None if options.explore else (options.goal or terrain.goal)
@@ -115,6 +120,18 @@ def assignment_of(options: argparse.Namespace) -> Assignment:
     yaw = math.atan2(ahead[1] - task.start[1], ahead[0] - task.start[0])
     return Assignment(task=task, terrain=terrain, start_pose=(*task.start, yaw),
                       warnings=_warnings(task, terrain))
+
+
+def _check_view(options: argparse.Namespace) -> None:
+    if options.view is None:
+        return
+    _require('--view', options.view, 0, 65535, '')
+    if options.in_process:
+        raise TaskError('--view: a run in one process has no topics to show; leave out '
+                        '--in-process')
+    if importlib.util.find_spec('viser') is None:
+        raise TaskError("--view: the Python package 'viser' is missing; type:  pip3 install "
+                        "--break-system-packages 'viser==1.1.1'")
 
 
 def _require(name: str, value: float, low: float, high: float, unit: str) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import rclpy
+from rclpy.signals import SignalHandlerOptions
 
 from psane_mapping.configuration import MappingConfiguration
 from psane_mapping.grid import Grid
@@ -95,7 +96,8 @@ class GraphRun:
             processes.start(name, self._command(name, package))
         if self._settings.record:
             processes.start(RECORDER, self._recording())
-        rclpy.init(args=[])
+        # Its own handlers would shut the context down under the observer before Ctrl-C is noticed.
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         try:
             observer = Observer(self.record, self._scorer)
             began = time.monotonic()
