@@ -91,6 +91,8 @@ def run(options: argparse.Namespace) -> int:
                             trials=options.trials)
     PaperReport(folder, experiment, rows, ablations).write()
     print((options.out / 'table.md').read_text())
+    work = sum(row['timing']['work_s'] for row in [*rows.values(), *ablations.values()])
+    print(f'{work / 60.0:.1f} minutes of work for one core', file=sys.stderr)
     print(f'written to {options.out}; the page is {options.out / "report.html"}',
           file=sys.stderr)
     return 0
@@ -142,7 +144,7 @@ def _results(missing: Sequence[PaperTrial], shared: PaperSettings, options: argp
 
 
 def _given_up(trial: PaperTrial, shared: PaperSettings) -> tuple[Row, RunData | None]:
-    return row_of(trial, shared, failed('its process died twice'), 0.0), None
+    return row_of(trial, shared, failed('its process died twice')), None
 
 
 def _kind_of(trial: PaperTrial) -> Kind:

@@ -30,12 +30,13 @@ Row = dict[str, Any]
 
 def run_paper_trial(trial: PaperTrial, shared: PaperSettings) -> tuple[Row, RunData | None]:
     """Run a trial; whatever goes wrong in it becomes the reason of its row."""
-    began = time.monotonic()
+    began, worked = time.monotonic(), time.process_time()
     try:
         summary, data, _ = run_to_summary(trial, shared, RunWatch())
     except Exception as problem:  # noqa: BLE001 - one bad trial must not end the experiment
         summary, data = failed(f'{type(problem).__name__}: {problem}'), None
-    return row_of(trial, shared, summary, time.monotonic() - began), data
+    return row_of(trial, shared, summary, time.monotonic() - began,
+                  time.process_time() - worked), data
 
 
 def run_to_summary(trial: PaperTrial, shared: PaperSettings, watch: RunWatch
@@ -96,12 +97,16 @@ def failed(cause: str) -> Row:
     return {'success': False, 'reason': FAILED, 'cause': cause}
 
 
-def row_of(trial: PaperTrial, shared: PaperSettings, summary: Row, wall: float) -> Row:
-    """Return a trial's row: what it was, what it was run with, what came out."""
+def row_of(trial: PaperTrial, shared: PaperSettings, summary: Row, wall: float = 0.0,
+           work: float = 0.0) -> Row:
+    """Return a trial's row: what it was, what it was run with, what came out.
+
+    `wall` is the time that it took on the clock on the wall, `work` that of its core [s].
+    """
     return {'name': trial.name, 'task': trial.task.name, 'strategy': trial.strategy,
             'seed': trial.seed, 'robot': trial.robot.value, 'study': trial.study,
             'variant': trial.variant, 'summary': summary,
             'configuration': document_of(trial, shared),
             'versions': {**versions(), 'source': source_digest(),
                          'machine': platform.machine()},
-            'timing': {'wall_s': round(wall, 2)}}
+            'timing': {'wall_s': round(wall, 2), 'work_s': round(work, 2)}}

@@ -83,7 +83,7 @@ def summary_bytes(row: Row) -> bytes:
 def _replay(asked: tuple[PaperTrial, float | None], shared: PaperSettings) -> Replayed:
     trial, moment = asked
     summary, data, _ = run_to_summary(trial, shared, RunWatch(moment))
-    return row_of(trial, shared, summary, 0.0), data.arrays
+    return row_of(trial, shared, summary), data.arrays
 
 
 def _given_up(asked: tuple[PaperTrial, float | None], shared: PaperSettings) -> Replayed:
