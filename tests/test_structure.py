@@ -34,7 +34,7 @@ SHAPELESS_NAMES = {'utils', 'util', 'helpers', 'helper', 'common', 'core', 'misc
 # Name of an import -> rosdep key of what brings it, where the two differ.
 ROSDEP_KEYS = {
     'contourpy': 'python3-matplotlib', 'cv2': 'python3-opencv',
-    'matplotlib': 'python3-matplotlib', 'numba': 'python3-numba',
+    'matplotlib': 'python3-matplotlib', 'PIL': 'python3-pil', 'numba': 'python3-numba',
     'numpy': 'python3-numpy', 'pybullet': 'python3-pybullet-pip', 'scipy': 'python3-scipy',
     'pybullet_data': 'python3-pybullet-pip', 'shapely': 'python3-shapely',
     'sklearn': 'python3-sklearn', 'yaml': 'python3-yaml',

@@ -12,7 +12,8 @@ from collections.abc import Sequence
 
 from psane_sim.errors import SimulationError
 
-EXPERIMENTS = {'audit': 'psane_sim.audit'}
+EXPERIMENTS = {'audit': 'psane_sim.audit', 'paper': 'psane_sim.paper',
+               'replay': 'psane_sim.replay_row'}
 """Module of each experiment."""
 
 

@@ -26,12 +26,14 @@ from psane_sim.configuration import SimulatorConfiguration
 from psane_sim.hexapod import HexapodSimulator
 from psane_sim.progress import Progress
 from psane_sim.run_record import RunRecord
+from psane_sim.run_watch import Watch
 from psane_sim.scoring import Score, Scorer
 from psane_sim.sensing import Sensors
 from psane_sim.summary import Ending, Outcome, Task
 from psane_sim.terrain import Terrain
 from psane_sim.touch import ContactSensor
 from psane_sim.touch_configuration import TouchConfiguration
+from psane_sim.touch_method import TouchMethod, felt_by
 from psane_sim.truth import Truth
 from psane_sim.truth_log import TruthEntry
 
@@ -55,6 +57,7 @@ class Settings:
     planner: PlannerConfiguration = field(default_factory=PlannerConfiguration)
     reactive: ReactiveConfiguration = field(default_factory=ReactiveConfiguration)
     robot: RobotModel = field(default_factory=RobotModel)
+    touch_method: TouchMethod = TouchMethod.FORCE_AND_TORQUE
 
 
 class ClosedLoop:
@@ -82,12 +85,13 @@ class ClosedLoop:
                  settings: Settings, mapper: TerrainMapper | None = None) -> None:
         self._task = task
         self._goal = None if task.goal is None else np.array(task.goal)
-        self._settings = settings
+        self.settings = settings
         self._simulator = HexapodSimulator(settings.simulator, terrain, start_pose,
                                            robot=settings.robot)
         self._sensors = Sensors(settings.simulator, task.seed)
         self._contact_sensor = ContactSensor(settings.touch, settings.robot)
         self._contact_sensor.warm_up()
+        self._felt = felt_by(settings.touch_method, terrain)
         self._mapper = mapper or TerrainMapper(settings.mapping)
         self._mapper.warm_up()
         self._planner = SafePlanner(settings.planner, self._mapper.grid)
@@ -105,8 +109,17 @@ class ClosedLoop:
         self.is_waiting = False
         self.keep_out: Mask | None = None
 
-    def run(self, show: Callable[[Progress], None] | None = None) -> tuple[Outcome, Score]:
-        """Run until the planner ends, the time is over or the user interrupts."""
+    @property
+    def time(self) -> float:
+        """Simulated time since the start [s]."""
+        return self._simulator.time
+
+    def run(self, show: Callable[[Progress], None] | None = None,
+            watch: Watch | None = None) -> tuple[Outcome, Score]:
+        """Run until the planner ends, the time is over, `watch` says so or the user interrupts.
+
+        `watch` is called after each plan; what it returns, if anything, ends the run.
+        """
         began = time.monotonic()
         ending, tick = Ending.TIMEOUT, 0
         try:
@@ -115,8 +128,9 @@ class ClosedLoop:
                 if self.plan is not None and tick % PLAN_PERIOD == 0:
                     if show is not None:
                         show(self.progress())
-                    if self.plan.state in ENDINGS:
-                        ending = ENDINGS[self.plan.state]
+                    seen = None if watch is None else watch(self)
+                    if self.plan.state in ENDINGS or seen is not None:
+                        ending = seen or ENDINGS[self.plan.state]
                         break
         except KeyboardInterrupt:
             ending = Ending.INTERRUPTED
@@ -154,13 +168,14 @@ class ClosedLoop:
         contacts = self._contact_sensor.update(
             self._sensors.joints(truth), self._sensors.wrenches(truth), self._sensors.imu(truth))
         for contact in contacts:
-            sample = self._mapper.add(contact)
+            sample = self._mapper.add(self._felt(contact))
             if isinstance(sample, TerrainSample):
-                x, y = float(sample.point[0]), float(sample.point[1])
-                self.record.contacts.append((sample.time, x, y, sample.slip))
+                self.record.note_sample(sample)
         now = self._simulator.time
         if tick % PLAN_PERIOD == 0:
             self._plan(now)
+            self.record.postures.append((now, *truth.position, *truth.quaternion,
+                                         *truth.joint_angle))
         if tick % COMMAND_PERIOD == 0:
             command = self._controller.command(now)
             self._simulator.command(command.linear, command.angular)
@@ -187,27 +202,16 @@ class ClosedLoop:
         self._controller.set_region(plan.region, now)
         self._controller.set_subgoal(plan.subgoal, plan.march, plan.subgoal_is_goal, now)
         self._scorer.certified(plan.certified)
-        self._note(plan, now)
+        self.record.note_plan(plan, now, maps)
 
     def _published_maps(self) -> tuple[FloatArray, FloatArray]:
         """Return slip mean and std as another node would read them off the topics."""
         if self._planned is None or self._mapper.version != self._planned_version:
-            steps = MapSteps.of(self._settings.mapping)
+            steps = MapSteps.of(self.settings.mapping)
             cells = cells_of_maps(self._mapper.maps(), steps)
             self._planned = slip_of_cells(cells[SLIP_MEAN], cells[SLIP_STD], steps.std_scale)
             self._planned_version = self._mapper.version
         return self._planned
-
-    def _note(self, plan: Plan, now: float) -> None:
-        """Keep what the picture needs."""
-        record = self.record
-        if plan.subgoal is not None:
-            record.note_subgoal(now, plan.subgoal)
-        record.progress.append((now, plan.distance_to_goal, plan.certified_area))
-        record.certified, record.region = plan.certified, plan.region
-        record.slip_mean, record.slip_std = self._published_maps()
-        if plan.frontier is not None:
-            record.frontier = plan.frontier.points
 
     def progress(self) -> Progress:
         """Return what the progress line shows."""

@@ -8,16 +8,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
-from psane_mapping.configuration import MappingConfiguration
-from psane_mapping.grid import Grid
 from psane_planner.configuration import STRATEGIES, PlannerConfiguration
 from psane_sim.catalogue import load_terrain, terrain_names
 from psane_sim.errors import TaskError
-from psane_sim.scoring import reachable_safe_cells
 from psane_sim.summary import Task
 from psane_sim.terrain import Terrain
+from psane_sim.terrain_sense import nonsense_of
 
 LONGEST = 36_000.0
 """Longest run that can be asked for [s]."""
@@ -119,7 +115,8 @@ def assignment_of(options: argparse.Namespace) -> Assignment:
     ahead = task.goal or terrain.goal
     yaw = math.atan2(ahead[1] - task.start[1], ahead[0] - task.start[0])
     return Assignment(task=task, terrain=terrain, start_pose=(*task.start, yaw),
-                      warnings=_warnings(task, terrain))
+                      warnings=nonsense_of(terrain, task.start, task.goal,
+                                           task.threshold))
 
 
 def _check_view(options: argparse.Namespace) -> None:
@@ -150,23 +147,3 @@ def _require_inside(name: str, point: Sequence[float], terrain: Terrain) -> None
             f'{name} {x:g} {y:g}: expected a point in [{min_x + border:g}, {max_x - border:g}] x '
             f'[{min_y + border:g}, {max_y - border:g}] m; the border of {border:g} m along the '
             "workspace's edge is never certified")
-
-
-def _warnings(task: Task, terrain: Terrain) -> list[str]:
-    """Say what the truth holds against the task; the robot is not told."""
-    slip = float(terrain.true_slip(np.array(task.start)))
-    if slip > task.threshold:
-        return [f'the start is unsafe: its true slip is {slip:.2f}, above the threshold '
-                f'{task.threshold:g}']
-    if task.goal is None:
-        return []
-    config = MappingConfiguration()
-    grid = Grid.over_workspace(config.min_x, config.min_y, config.max_x, config.max_y,
-                               config.resolution)
-    reachable = reachable_safe_cells(terrain, grid, np.array(task.start), task.threshold)
-    row, column = grid.index_of(np.array(task.goal))
-    if reachable[row, column]:
-        return []
-    slip = float(terrain.true_slip(np.array(task.goal)))
-    return [f'the goal cannot be reached over safe ground (its true slip is {slip:.2f}); the run '
-            'should end STALLED']

@@ -22,11 +22,13 @@ from psane_msgs.msg import HipWrenches
 from psane_sim import conversions
 from psane_sim.catalogue import load_terrain
 from psane_sim.configuration import SimulatorConfiguration
+from psane_sim.endpoints import SAFE_SLIP
 from psane_sim.errors import SimulationError
 from psane_sim.hexapod import HexapodSimulator
 from psane_sim.node_configuration import SimulatorNodeConfiguration
 from psane_sim.pacing import Pacer
 from psane_sim.sensing import Sensors
+from psane_sim.terrain_sense import nonsense_of
 from psane_sim.transforms import TransformPublisher
 from psane_sim.truth import Truth
 from psane_sim.truth_log import TruthEntry, TruthLog
@@ -67,6 +69,9 @@ class HexapodSimNode(Node):
             start = terrain.start_pose
             if settings.use_start:
                 start = (settings.start_x, settings.start_y, settings.start_yaw)
+            goal = None if settings.use_start else terrain.goal
+            for problem in nonsense_of(terrain, start[:2], goal, SAFE_SLIP):
+                self.get_logger().warning(f'{settings.terrain}: {problem}')
             return HexapodSimulator(configuration, terrain, start, robot=robot)
         except SimulationError as error:
             raise ParameterError('terrain', settings.terrain, f'a usable world ({error})'

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
 from psane_mapping.grid import FloatArray, Grid
+from psane_mapping.sample import TerrainSample
+from psane_planner.status import Plan
 
 
 @dataclass(kw_only=True)
@@ -24,6 +26,10 @@ class RunRecord:
         True way of the body's centre.
     contacts : list of (time, x, y, slip)
         Accepted contacts, with the slip that was felt [-].
+    samples : list of TerrainSample
+        The same contacts with all that the map was told.
+    postures : list of (time, position (3), quaternion (4), joint angles (6))
+        True attitudes of body and legs, where the robot has them [m], x y z w [-], [rad].
     steps : list of (time, x, y, yaw, linear, angular)
         True poses and the commands in force from then on: what `stride_slip` needs.
     subgoals : list of (time, x, y)
@@ -41,6 +47,8 @@ class RunRecord:
     goal: FloatArray | None
     path: list[tuple[float, float, float]] = field(default_factory=list)
     contacts: list[tuple[float, float, float, float]] = field(default_factory=list)
+    samples: list[TerrainSample] = field(default_factory=list)
+    postures: list[tuple[float, ...]] = field(default_factory=list)
     steps: list[tuple[float, float, float, float, float, float]] = field(default_factory=list)
     subgoals: list[tuple[float, float, float]] = field(default_factory=list)
     progress: list[tuple[float, float, float]] = field(default_factory=list)
@@ -58,3 +66,19 @@ class RunRecord:
             if np.hypot(x - last_x, y - last_y) <= 0.01:
                 return
         self.subgoals.append((now, x, y))
+
+    def note_sample(self, sample: TerrainSample) -> None:
+        """Add an accepted contact."""
+        self.samples.append(sample)
+        self.contacts.append((sample.time, float(sample.point[0]), float(sample.point[1]),
+                              sample.slip))
+
+    def note_plan(self, plan: Plan, now: float, maps: tuple[FloatArray, FloatArray]) -> None:
+        """Keep what a picture needs of a plan and of the maps (mean, std of slip) it rests on."""
+        if plan.subgoal is not None:
+            self.note_subgoal(now, plan.subgoal)
+        self.progress.append((now, plan.distance_to_goal, plan.certified_area))
+        self.certified, self.region = plan.certified, plan.region
+        self.slip_mean, self.slip_std = maps
+        if plan.frontier is not None:
+            self.frontier = plan.frontier.points

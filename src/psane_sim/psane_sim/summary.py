@@ -20,6 +20,7 @@ class Ending(Enum):
     REACHED = 'the goal is reached'
     EXPLORED = 'no ground is left that could be certified'
     STALLED = 'the planner has nothing left to try'
+    STUCK = 'the robot has sunk in and does not get away'
     TIMEOUT = 'the time is over'
     INTERRUPTED = 'interrupted by the user'
     NODE_DIED = 'a node died'
