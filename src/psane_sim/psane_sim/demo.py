@@ -19,6 +19,7 @@ from psane_sim.progress import ProgressLine
 from psane_sim.run_record import RunRecord
 from psane_sim.scoring import Score
 from psane_sim.summary import Ending, Outcome, in_words, summarise, write_summary
+from psane_sim.team_demo import run_team
 
 SUCCESS, NO_SUCCESS, BAD_ARGUMENT, NODE_DIED = 0, 1, 2, 3
 """Exit statuses."""
@@ -43,6 +44,8 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run what the options ask for; return the exit status."""
+    if options.robots > 1:
+        return run_team(options)
     assignment = assignment_of(options)
     for warning in assignment.warnings:
         print(f'psane demo: warning: {warning}', file=sys.stderr)

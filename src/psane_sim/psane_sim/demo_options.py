@@ -72,6 +72,15 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument('--view', nargs='?', type=int, const=0, metavar='PORT',
                       help='on the graph: show the run in the browser, at an address that is '
                       'printed, and leave DIR/view.html (default port: any that is free)')
+    made.add_argument('--robots', type=int, choices=(1, 2), default=1,
+                      help='2: a second robot leaves later, and both share one map; it then walks '
+                      'alone too, for comparison')
+    made.add_argument('--second', nargs=4, type=float, metavar=('X', 'Y', 'GX', 'GY'),
+                      help='where the second robot begins and goes, map frame [m] (env1 has its '
+                      'own)')
+    made.add_argument('--head-start', type=float, default=30.0, metavar='S',
+                      help='simulated time by which the first robot leaves earlier [s] '
+                      '(default 30)')
     made.add_argument('--gui', action='store_true', help="show the physics engine's window")
     made.add_argument('--out', type=Path, metavar='DIR',
                       help='where summary, picture and logs go (default '
@@ -84,7 +93,8 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     options = parser().parse_args(arguments)
     if options.out is None:
         name = Path(options.terrain).stem.replace(':', '-')
-        options.out = Path('out') / f'{name}-{options.strategy}-{options.seed}'
+        team = '-team' if options.robots > 1 else ''
+        options.out = Path('out') / f'{name}-{options.strategy}-{options.seed}{team}'
     return options
 
 
@@ -101,6 +111,7 @@ def assignment_of(options: argparse.Namespace) -> Assignment:
     _require('--pace', options.pace, 0.01, 100.0, '')
     if options.record and options.in_process:
         raise TaskError('--record: a run in one process has no topics; leave out --in-process')
+    _require('--head-start', options.head_start, 0.0, LONGEST, 's')
     _check_view(options)
     terrain = load_terrain(options.terrain)
     start = terrain.start if options.start is None else tuple(options.start)

@@ -218,13 +218,18 @@ class GraphRun:
 
     def _score_truth(self) -> None:
         """Score the true way, which the simulator left in a file."""
-        if not self._truth_file.is_file():
-            return
-        last = 0.0
-        for entry in read_truth(self._truth_file):
-            self._scorer.observe(entry.pose[:2], entry.grounded_feet, entry.time - last)
-            self.record.path.append((entry.time, float(entry.pose[0]), float(entry.pose[1])))
-            last = entry.time
+        score_truth(self._truth_file, self._scorer, self.record)
+
+
+def score_truth(path: Path, scorer: Scorer, record: RunRecord) -> None:
+    """Score the way in a truth log, and keep it; a log that is not there says nothing."""
+    if not path.is_file():
+        return
+    last = 0.0
+    for entry in read_truth(path):
+        scorer.observe(entry.pose[:2], entry.grounded_feet, entry.time - last)
+        record.path.append((entry.time, float(entry.pose[0]), float(entry.pose[1])))
+        last = entry.time
 
 
 class _NodeDied(Exception):

@@ -12,7 +12,7 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock as ClockMessage
 from sensor_msgs.msg import Imu, JointState
 
-from psane_mapping.conversions import stamp
+from psane_mapping.conversions import seconds, stamp
 from psane_mapping.errors import ParameterError
 from psane_mapping.leg import RobotModel
 from psane_mapping.quality_of_service import COMMANDS, DEFAULT, ODOMETRY, SENSORS
@@ -26,7 +26,7 @@ from psane_sim.endpoints import SAFE_SLIP
 from psane_sim.errors import SimulationError
 from psane_sim.hexapod import HexapodSimulator
 from psane_sim.node_configuration import SimulatorNodeConfiguration
-from psane_sim.pacing import Pacer
+from psane_sim.pacing import Follower, Pacer
 from psane_sim.sensing import Sensors
 from psane_sim.terrain_sense import nonsense_of
 from psane_sim.transforms import TransformPublisher
@@ -56,7 +56,7 @@ class HexapodSimNode(Node):
         self._intake = Intake(self)
         self._intake.subscribe(Twist, 'cmd_vel', self._take_command, COMMANDS)
         self._diagnostics = Diagnostics(self, self._intake, self._report)
-        self._pacer = Pacer(self._settings.pace, time.monotonic())
+        self._pacer = self._make_pacer()
         self._ticks = 0
         self._has_begun = not self._settings.awaited_listener
         self.create_timer(2e-3, self._catch_up, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -76,6 +76,14 @@ class HexapodSimNode(Node):
         except SimulationError as error:
             raise ParameterError('terrain', settings.terrain, f'a usable world ({error})'
                                  ) from error
+
+    def _make_pacer(self) -> Pacer | Follower:
+        if not self._settings.follow_clock:
+            return Pacer(self._settings.pace, time.monotonic())
+        follower = Follower(time.monotonic())
+        self._intake.subscribe(ClockMessage, '/clock',
+                               lambda message: follower.hear(seconds(message.clock)), DEFAULT)
+        return follower
 
     def _advertise(self) -> None:
         self._clock_publisher = self.create_publisher(ClockMessage, '/clock', DEFAULT)
@@ -115,7 +123,8 @@ class HexapodSimNode(Node):
         self._simulator.step(SENSOR_PERIOD)
         self._ticks += SENSOR_PERIOD
         truth = self._simulator.truth()
-        self._clock_publisher.publish(ClockMessage(clock=stamp(truth.time)))
+        if not self._settings.follow_clock:
+            self._clock_publisher.publish(ClockMessage(clock=stamp(truth.time)))
         self._publish(truth)
         if self._log is not None and self._ticks % TRUTH_PERIOD == 0:
             self._log.write(TruthEntry.of(truth))

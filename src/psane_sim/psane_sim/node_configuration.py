@@ -24,6 +24,9 @@ class SimulatorNodeConfiguration(Configuration):
     pace: float = parameter(
         1.0, 'simulated seconds for each second on the wall, where the machine can keep up',
         low=0.01, high=100.0, read_only=True)
+    follow_clock: bool = parameter(
+        False, 'publish no /clock, and keep step with the one that another simulator publishes: '
+        'for a second robot in its world', read_only=True)
     command_timeout: float = parameter(
         0.25, 'simulated time after the last command at which the robot stops by itself; it then '
         'stands within 0.2 s', unit='s', low=0.06, high=5.0)

@@ -10,6 +10,7 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
 from psane_mapping import conversions
+from psane_mapping.grid import FloatArray
 from psane_mapping.map_cells import slip_of_cells
 from psane_mapping.quality_of_service import CONTACTS, DEFAULT, LATCHED, ODOMETRY_INPUT
 from psane_mapping.running import Intake
@@ -23,6 +24,14 @@ from psane_sim.scoring import Scorer
 
 FRAME, PLANNER = 'map', 'safe_planner'
 
+SHARED = ('slip/mean', 'slip/std', 'map_scale', 'terrain_samples')
+"""Topics of the one mapper of several robots."""
+
+
+def shared_map_arguments() -> list[str]:
+    """Return the ROS arguments by which a node in a namespace hears the map of the root."""
+    return ['--ros-args', *(word for topic in SHARED for word in ('-r', f'{topic}:=/{topic}'))]
+
 
 class Observer(Node):
     """Keeps a run's record up to date.
@@ -32,16 +41,20 @@ class Observer(Node):
     record : RunRecord
     scorer : Scorer
         Is told each new safe map.
+    robot : str
+        Namespace of the robot that is listened to; the maps are then those of the root.
     """
 
-    def __init__(self, record: RunRecord, scorer: Scorer) -> None:
-        super().__init__('demo')
+    def __init__(self, record: RunRecord, scorer: Scorer, robot: str = '') -> None:
+        super().__init__('demo', namespace=robot,
+                         cli_args=shared_map_arguments() if robot else None)
         self._record = record
         self._scorer = scorer
         self._std_scale = math.nan
         self.status: PlannerStatus | None = None
         self.time = 0.0
         self.speed = math.nan
+        self.position: FloatArray | None = None
         self._goal = self.create_publisher(PoseStamped, 'goal_pose', DEFAULT)
         intake = Intake(self)
         intake.subscribe(Clock, '/clock', self._take_clock, DEFAULT)
@@ -90,6 +103,8 @@ class Observer(Node):
 
     def _take_odometry(self, message: Odometry) -> None:
         velocity = message.twist.twist.linear
+        pose = message.pose.pose.position
+        self.position = np.array([pose.x, pose.y])
         self.speed = math.hypot(velocity.x, velocity.y)
 
     def _take_status(self, message: PlannerStatus) -> None:
