@@ -154,6 +154,8 @@ class ClosedLoop:
     def outcome(self, ending: Ending, wall: float) -> Outcome:
         """Return how the run ended."""
         plan = self.plan
+        refused = (*self._mapper.rejected.items(), *self._contact_sensor.dropped.items())
+        self.record.refused = {reason.value: count for reason, count in refused}
         cause = '' if plan is None or ending is Ending.REACHED else plan.cause
         return Outcome(ending=ending, cause=cause, time=self._simulator.time,
                        subgoals=0 if plan is None else plan.subgoal_count,
@@ -179,9 +181,9 @@ class ClosedLoop:
         if tick % COMMAND_PERIOD == 0:
             command = self._controller.command(now)
             self._simulator.command(command.linear, command.angular)
-            self.record.steps.append((now, *truth.pose, command.linear, command.angular))
         if tick % SCORE_PERIOD == 0:
             entry = TruthEntry.of(truth)
+            self.record.truth.append(entry)
             self._scorer.observe(entry.pose[:2], entry.grounded_feet, 1e-3 * SCORE_PERIOD)
             self.record.path.append((now, float(entry.pose[0]), float(entry.pose[1])))
 

@@ -11,7 +11,6 @@ from psane_mapping.errors import ParameterError
 from psane_planner.configuration import PlannerConfiguration
 from psane_sim.bag_summary import BAG, in_short
 from psane_sim.closed_loop import ClosedLoop, Settings
-from psane_sim.configuration import SimulatorConfiguration
 from psane_sim.demo_options import Assignment, assignment_of, parse
 from psane_sim.errors import SimulationError
 from psane_sim.picture import draw_run
@@ -20,6 +19,7 @@ from psane_sim.run_record import RunRecord
 from psane_sim.scoring import Score
 from psane_sim.summary import Ending, Outcome, in_words, summarise, write_summary
 from psane_sim.team_demo import run_team
+from psane_sim.touch_summary import touch_summary, write_strides
 
 SUCCESS, NO_SUCCESS, BAD_ARGUMENT, NODE_DIED = 0, 1, 2, 3
 """Exit statuses."""
@@ -61,9 +61,11 @@ def run(options: argparse.Namespace) -> int:
 
 def _run_in_process(assignment: Assignment, options: argparse.Namespace,
                     line: ProgressLine) -> tuple[RunRecord, Outcome, Score]:
-    task = assignment.task
+    task, robot = assignment.task, assignment.robot
     settings = Settings(
-        simulator=SimulatorConfiguration(gui=options.gui),
+        simulator=robot.simulator_configuration(gui=options.gui),
+        touch=robot.touch_configuration(), mapping=robot.mapping_configuration(),
+        robot=robot.model,
         planner=PlannerConfiguration(strategy=task.strategy, slip_threshold=task.threshold))
     loop = ClosedLoop(task, assignment.terrain, assignment.start_pose, settings)
     outcome, score = loop.run(line.show)
@@ -88,7 +90,9 @@ def _report(assignment: Assignment, record: RunRecord, outcome: Outcome, score: 
             options: argparse.Namespace) -> int:
     """Write summary and picture, print the summary, return the exit status."""
     task = assignment.task
-    summary = summarise(task, outcome, score)
+    touch = touch_summary(record, assignment.robot)
+    summary = summarise(task, outcome, score, touch)
+    write_strides(record, assignment.robot, options.out / 'strides.csv')
     write_summary(summary, options.out / 'summary.json')
     print(in_words(summary))
     title = f'{task.strategy} on {task.terrain}, seed {task.seed}: {outcome.ending.value}'

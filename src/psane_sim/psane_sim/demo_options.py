@@ -10,7 +10,10 @@ from pathlib import Path
 
 from psane_planner.configuration import STRATEGIES, PlannerConfiguration
 from psane_sim.catalogue import load_terrain, terrain_names
+from psane_sim.chosen_robot import DEFAULT_ROBOT, DEFAULT_SOIL, ChosenRobot, choose_robot
+from psane_sim.configuration import SOIL_NAMES
 from psane_sim.errors import TaskError
+from psane_sim.robots import robot_names
 from psane_sim.summary import Task
 from psane_sim.terrain import Terrain
 from psane_sim.terrain_sense import nonsense_of
@@ -28,6 +31,7 @@ class Assignment:
     task : Task
     terrain : Terrain
     start_pose : (x, y, yaw), map frame [m], [rad]
+    robot : ChosenRobot
     warnings : list of str
         What makes the task hard or impossible, in words.
     """
@@ -35,6 +39,7 @@ class Assignment:
     task: Task
     terrain: Terrain
     start_pose: tuple[float, float, float]
+    robot: ChosenRobot
     warnings: list[str]
 
 
@@ -49,6 +54,13 @@ def parser() -> argparse.ArgumentParser:
                       '(default env1)')
     made.add_argument('--start', nargs=2, type=float, metavar=('X', 'Y'),
                       help="where to begin, map frame [m] (default: the terrain's own)")
+    made.add_argument('--robot', default=DEFAULT_ROBOT, metavar='NAME|FILE',
+                      help=f'one of {", ".join(robot_names())}, or a .yaml file (default '
+                      f'{DEFAULT_ROBOT}); its calibration comes with it')
+    made.add_argument('--calibration', type=Path, metavar='FILE',
+                      help='what `calibrate` wrote for the robot (default: the shipped one)')
+    made.add_argument('--soil', default=DEFAULT_SOIL, choices=SOIL_NAMES,
+                      help=f'how the ground pushes (default {DEFAULT_SOIL})')
     target = made.add_mutually_exclusive_group()
     target.add_argument('--goal', nargs=2, type=float, metavar=('X', 'Y'),
                         help="where to go, map frame [m] (default: the terrain's own)")
@@ -113,7 +125,8 @@ def assignment_of(options: argparse.Namespace) -> Assignment:
         raise TaskError('--record: a run in one process has no topics; leave out --in-process')
     _require('--head-start', options.head_start, 0.0, LONGEST, 's')
     _check_view(options)
-    terrain = load_terrain(options.terrain)
+    robot = choose_robot(options.robot, options.soil, options.calibration)
+    terrain = robot.terrain_for(load_terrain(options.terrain))
     start = terrain.start if options.start is None else tuple(options.start)
     goal = None if options.explore else (options.goal or terrain.goal)
     _require_inside('--start', start, terrain)
@@ -122,10 +135,10 @@ def assignment_of(options: argparse.Namespace) -> Assignment:
     task = Task(terrain=options.terrain, start=(float(start[0]), float(start[1])),
                 goal=None if goal is None else (float(goal[0]), float(goal[1])),
                 strategy=options.strategy, threshold=options.threshold, seed=options.seed,
-                duration=options.duration)
+                duration=options.duration, robot=robot.name, soil=options.soil)
     ahead = task.goal or terrain.goal
     yaw = math.atan2(ahead[1] - task.start[1], ahead[0] - task.start[0])
-    return Assignment(task=task, terrain=terrain, start_pose=(*task.start, yaw),
+    return Assignment(task=task, terrain=terrain, start_pose=(*task.start, yaw), robot=robot,
                       warnings=nonsense_of(terrain, task.start, task.goal,
                                            task.threshold))
 

@@ -126,13 +126,20 @@ class GraphRun:
 
     def _parameters(self, name: str) -> dict[str, object]:
         task, settings = self._assignment.task, self._settings
+        robot = self._assignment.robot
         if name == SIMULATOR:
             x, y, yaw = self._assignment.start_pose
             return {'terrain': task.terrain, 'use_start': True, 'start_x': x, 'start_y': y,
                     'start_yaw': yaw, 'seed': task.seed, 'pace': settings.pace,
                     'gui': settings.gui, 'truth_file': self._truth_file.resolve(),
-                    'awaited_listener': RECORDER if settings.record else "''"}
+                    'awaited_listener': RECORDER if settings.record else "''",
+                    'strength_factor': robot.strength_factor, **robot.model_parameters,
+                    **robot.simulator}
         parameters: dict[str, object] = {'use_sim_time': True}
+        if name == 'contact_sensor':
+            parameters.update(**robot.model_parameters, **robot.touch)
+        if name == 'terrain_mapper':
+            parameters.update(robot.mapping)
         if name == 'safe_planner':
             parameters.update(strategy=task.strategy, slip_threshold=task.threshold,
                               explore=task.goal is None)
@@ -229,6 +236,7 @@ def score_truth(path: Path, scorer: Scorer, record: RunRecord) -> None:
     for entry in read_truth(path):
         scorer.observe(entry.pose[:2], entry.grounded_feet, entry.time - last)
         record.path.append((entry.time, float(entry.pose[0]), float(entry.pose[1])))
+        record.truth.append(entry)
         last = entry.time
 
 

@@ -65,7 +65,7 @@ class HexapodSimNode(Node):
                         robot: RobotModel) -> HexapodSimulator:
         settings = self._settings
         try:
-            terrain = load_terrain(settings.terrain)
+            terrain = load_terrain(settings.terrain).scaled(settings.strength_factor)
             start = terrain.start_pose
             if settings.use_start:
                 start = (settings.start_x, settings.start_y, settings.start_yaw)

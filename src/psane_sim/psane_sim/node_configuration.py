@@ -13,6 +13,9 @@ class SimulatorNodeConfiguration(Configuration):
     terrain: str = parameter(
         'env1', 'terrain by name (env1, env2, smooth:SEED, patchy:SEED, corridors:SEED) or as the '
         'path of a .csv, .npy or GeoTIFF file', read_only=True)
+    strength_factor: float = parameter(
+        1.0, "multiplies the terrain's strength, for a robot that needs firmer ground than the "
+        'default one', low=0.001, high=1000.0, read_only=True)
     use_start: bool = parameter(
         False, "start at start_x, start_y, start_yaw instead of the terrain's own start",
         read_only=True)

@@ -4,6 +4,7 @@
 import math
 
 import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.node import Node
@@ -23,6 +24,8 @@ from psane_sim.run_record import RunRecord
 from psane_sim.scoring import Scorer
 
 FRAME, PLANNER = 'map', 'safe_planner'
+REFUSALS = ('rejected', 'stances dropped')
+"""How values of diagnostics begin that count stances that were not used, for a reason."""
 
 SHARED = ('slip/mean', 'slip/std', 'map_scale', 'terrain_samples')
 """Topics of the one mapper of several robots."""
@@ -68,6 +71,7 @@ class Observer(Node):
         intake.subscribe(FrontierArray, 'frontiers', self._take_frontier, LATCHED)
         intake.subscribe(SafeRegion, 'safe_region', self._take_region, LATCHED)
         intake.subscribe(PoseStamped, 'subgoal', self._take_subgoal, LATCHED)
+        intake.subscribe(DiagnosticArray, '/diagnostics', self._take_diagnostics, DEFAULT)
 
     def is_heard(self) -> bool:
         """Tell whether the planner listens for goals; others may, such as a recorder."""
@@ -97,6 +101,13 @@ class Observer(Node):
         return Progress(time=self.time, distance=distance, area=status.certified_area,
                         contacts=contacts, state=PlannerState(status.state).name,
                         cause=status.cause)
+
+    def _take_diagnostics(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            for entry in status.values:
+                kind, _, reason = entry.key.partition(': ')
+                if kind in REFUSALS and entry.value.isdecimal():
+                    self._record.refused[reason] = int(entry.value)
 
     def _take_clock(self, message: Clock) -> None:
         self.time = conversions.seconds(message.clock)

@@ -10,6 +10,7 @@ from shapely.geometry import Polygon
 from psane_mapping.grid import FloatArray, Grid
 from psane_mapping.sample import TerrainSample
 from psane_planner.status import Plan
+from psane_sim.truth_log import TruthEntry
 
 
 @dataclass(kw_only=True)
@@ -30,8 +31,6 @@ class RunRecord:
         The same contacts with all that the map was told.
     postures : list of (time, position (3), quaternion (4), joint angles (6))
         True attitudes of body and legs, where the robot has them [m], x y z w [-], [rad].
-    steps : list of (time, x, y, yaw, linear, angular)
-        True poses and the commands in force from then on: what `stride_slip` needs.
     subgoals : list of (time, x, y)
     progress : list of (time, distance to the goal [m], certified area [m^2])
     certified, slip_mean, slip_std : (rows, columns) arrays or None
@@ -40,6 +39,10 @@ class RunRecord:
         The last frontier.
     region : Polygon or None
         The last region that was handed to the controller.
+    truth : list of TruthEntry
+        Where the robot truly was, 20 times a second.
+    refused : dict of int
+        Stances that were not used, by reason.
     """
 
     grid: Grid
@@ -49,7 +52,6 @@ class RunRecord:
     contacts: list[tuple[float, float, float, float]] = field(default_factory=list)
     samples: list[TerrainSample] = field(default_factory=list)
     postures: list[tuple[float, ...]] = field(default_factory=list)
-    steps: list[tuple[float, float, float, float, float, float]] = field(default_factory=list)
     subgoals: list[tuple[float, float, float]] = field(default_factory=list)
     progress: list[tuple[float, float, float]] = field(default_factory=list)
     certified: NDArray[np.bool_] | None = None
@@ -57,6 +59,8 @@ class RunRecord:
     slip_std: FloatArray | None = None
     frontier: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     region: Polygon | None = None
+    truth: list[TruthEntry] = field(default_factory=list)
+    refused: dict[str, int] = field(default_factory=dict)
 
     def note_subgoal(self, now: float, point: FloatArray) -> None:
         """Add a subgoal if it differs from the last one by more than a centimetre."""
