@@ -82,7 +82,7 @@ def tests_pass(folder: Path) -> tuple[bool, str]:
     The nodes that the tests start import what comes first in the path, which is the copy.
     """
     paths = [str(folder / 'src' / package) for package in PACKAGES]
-    environment = {**os.environ,
+    environment = {**os.environ, 'NUMBA_CACHE_DIR': str(folder / 'numba'),
                    'PYTHONPATH': os.pathsep.join([*paths, os.environ.get('PYTHONPATH', '')])}
     done = subprocess.run(
         [sys.executable, '-m', 'pytest', '-n', '0', '-q', '-x', '-p', 'no:cacheprovider', TEST,

@@ -94,7 +94,7 @@ def _spoiled_contact(now: int, message: BagMessage) -> BagMessage:
 
 
 SCENARIOS = {scenario.name: scenario for scenario in (
-    Scenario(name='env1', terrain='env1', goal=(2.4, 3.2), seed=0, duration=16.0,
+    Scenario(name='env1', terrain='env1', goal=(2.4, 3.2), seed=0, duration=17.0,
              spoil=_unspoiled),
     Scenario(name='faults', terrain='env1', goal=(7.0, 1.5), seed=1, duration=16.0,
              spoil=_faulty))}

@@ -88,7 +88,9 @@ class LockstepGraph:
             death = self._processes.death()
             if death is not None:
                 raise GraphError(death.in_words)
-            if not up and all(self._is_up(name) for name in PACKAGES):
+            # A node advertises when it has compiled all that it needs.
+            if not up and len(self._outputs) == len(OUTPUTS) and all(
+                    self._is_up(name) for name in PACKAGES):
                 deadline, up = time.monotonic() + ANSWER, True
             if time.monotonic() > deadline:
                 raise GraphError('the nodes did not come up' if not up else
