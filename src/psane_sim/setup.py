@@ -39,6 +39,7 @@ setup(
             'record = psane_sim.record:main',
             'replay = psane_sim.replay:main',
             'viewer = psane_sim.viewer:main',
+            'record_test_bags = psane_sim.record_test_bags:main',
         ],
     },
 )

@@ -32,6 +32,9 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument('--duration', type=float, metavar='S',
                       help='end after this time [s on the wall] (default: at Ctrl-C)')
     made.add_argument('--quiet', action='store_true', help='print the last line only')
+    made.add_argument('--measure', action='store_true',
+                      help='publish 1000 small messages and 20 maps a second on a graph of its own '
+                      'for the duration (default 10 s), record that, and print what was lost')
     return made
 
 
@@ -67,6 +70,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     options = parser().parse_args(given[:cut])
     if options.duration is not None and not 0.0 < options.duration < float('inf'):
         parser().error(f'--duration {options.duration:g}: expected a time above 0 s')
+    if options.measure:
+        sys.exit(_measure(options.duration or 10.0))
     out = options.out or Path('out') / time.strftime('bag-%Y%m%d-%H%M%S')
     stop = Stop(options.duration)
     try:
@@ -81,3 +86,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     words = report.in_words()
     print(words.splitlines()[-1] if options.quiet else words)
     sys.exit(COMPLETE if report.is_complete else INCOMPLETE)
+
+
+def _measure(duration: float) -> int:
+    """Print what a recording under load lost; return the exit status."""
+    from psane_sim.ros_record_measure import measure
+    figures = measure(duration)
+    for name, value in figures.items():
+        print(f'  {name:28s} {value:.6g}')
+    return INCOMPLETE if figures['record_missing'] else COMPLETE
