@@ -9,6 +9,7 @@ from psane_reactive.clearance import Border
 from psane_reactive.embedding import Embedding, doubled_areas, embed
 from psane_reactive.errors import MapError
 from psane_reactive.mesh import Mesh, mesh_region
+from psane_reactive.mesh_distance import MeshDistance
 from psane_reactive.model_map import Way
 from psane_reactive.trace import (
     barycentric,
@@ -38,6 +39,8 @@ class HarmonicMap:
         Edge of the mesh [m].
     stiffness : float
         Pull of a hole on its border [-].
+    longest_detour : float
+        How many times the shortest way along the mesh the map's way may be long [-].
 
     Raises
     ------
@@ -46,8 +49,9 @@ class HarmonicMap:
     """
 
     def __init__(self, polygon: shapely.Polygon, edge: float = 0.1,
-                 stiffness: float = 1.0) -> None:
+                 stiffness: float = 1.0, longest_detour: float = 1.1) -> None:
         self.polygon = polygon
+        self._longest_detour = longest_detour
         self.mesh: Mesh = mesh_region(self.polygon, edge)
         self.embedding = self._best_embedding(stiffness)
         self.border = Border(self.polygon)
@@ -56,6 +60,7 @@ class HarmonicMap:
         self._edge_ends = np.concatenate([np.roll(ring, -1) for ring in self.mesh.rings])
         self._edge_triangles = owners_of(self.mesh.triangles, self._edge_starts, self._edge_ends)
         self._neighbours = neighbours_of(self.embedding.triangles)
+        self._distance = MeshDistance(self.mesh)
         self._corner = self.mesh.vertices.min(axis=0) - 1e-6
         extent = self.mesh.vertices.max(axis=0) - self._corner + 1e-6
         self._size = edge
@@ -128,6 +133,11 @@ class HarmonicMap:
         Returns
         -------
         The first `reach` metres; None where rounding has swallowed the map.
+
+        Notes
+        -----
+        The line passes some holes on their long side. Where it is that much longer than the
+        shortest way along the mesh, that one is taken.
         """
         start_point, start = self.nearest_inside(position)
         goal_point, end = self.nearest_inside(goal)
@@ -135,12 +145,18 @@ class HarmonicMap:
             return None
         if max(np.hypot(*(start_point - position)), np.hypot(*(goal_point - goal))) > _FARTHEST:
             return None
-        points, outcome = pull_back_line(
+        points, outcome, length = pull_back_line(
             self.mesh.vertices, self.embedding.model, self.embedding.triangles, self._neighbours,
             len(self.mesh.vertices), start, self._inner_image(start_point, start), end,
             self._inner_image(goal_point, end), start_point, reach)
         if outcome < 0:
             return None
+        least, first = self._distance.way(start_point, self.mesh.triangles[start], goal_point,
+                                          self.mesh.triangles[end])
+        if length > self._longest_detour * least:
+            points, has_ended = self._distance.along(first, goal_point, self.mesh.triangles[end],
+                                                     reach)
+            outcome = int(has_ended)
         if outcome == 0:
             return Way(points, ends_at_goal=False)
         return Way(np.concatenate((points, goal[None, :])), ends_at_goal=True)
