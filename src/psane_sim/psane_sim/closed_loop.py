@@ -19,6 +19,7 @@ from psane_mapping.mapper import TerrainMapper, TerrainSample
 from psane_planner.configuration import PlannerConfiguration
 from psane_planner.planner import SafePlanner
 from psane_planner.status import Plan, PlannerState
+from psane_reactive.command import Mode
 from psane_reactive.configuration import ReactiveConfiguration
 from psane_reactive.controller import ReactiveController
 from psane_sim.configuration import SimulatorConfiguration
@@ -66,10 +67,12 @@ class ClosedLoop:
         The true ground; only the simulator and the scorer see it.
     start_pose : (x, y, yaw), map frame [m], [rad]
     settings : Settings
+    controller : ReactiveController or None
+        One that somebody watches; None makes one.
     """
 
     def __init__(self, task: Task, terrain: Terrain, start_pose: tuple[float, float, float],
-                 settings: Settings) -> None:
+                 settings: Settings, controller: ReactiveController | None = None) -> None:
         self._task = task
         self._goal = None if task.goal is None else np.array(task.goal)
         self._settings = settings
@@ -82,7 +85,7 @@ class ClosedLoop:
         self._mapper.warm_up()
         self._planner = SafePlanner(settings.planner, self._mapper.grid)
         self._planner.warm_up()
-        self._controller = ReactiveController(settings.reactive)
+        self._controller = controller or ReactiveController(settings.reactive)
         self._controller.warm_up()
         self._scorer = Scorer(terrain, self._mapper.grid, np.array(start_pose[:2]),
                               task.threshold)
@@ -137,6 +140,9 @@ class ClosedLoop:
             self._plan(now)
         if tick % COMMAND_PERIOD == 0:
             command = self._controller.command(now)
+            subgoal = self._controller.inputs.subgoal
+            if command.mode is Mode.STUCK and subgoal is not None:
+                self._planner.note_stuck(subgoal, now)
             self._simulator.command(command.linear, command.angular)
             self.record.steps.append((now, *truth.pose, command.linear, command.angular))
         if tick % SCORE_PERIOD == 0:
