@@ -7,7 +7,7 @@ import shapely
 
 from psane_reactive.harmonic import HarmonicMap
 from psane_reactive.mesh import mesh_region
-from psane_reactive.mesh_distance import MeshDistance
+from psane_reactive.mesh_distance import MeshDistance, passes_other_side
 from psane_reactive.region import smooth_parts
 from psane_reactive.sample_regions import random_points, random_snake, star_world
 from psane_reactive.shortest_path import ShortestPath
@@ -15,6 +15,8 @@ from psane_reactive.shortest_path import ShortestPath
 # Twelve directions cost 4 % at worst; the first and the last triangle add up to an edge each.
 LONGEST = 1.04
 EDGE = 0.1
+# No way on the right side of a hole is so many times longer than the shortest.
+WRONG_SIDE = 1.3
 
 
 def corners_at(mapped, point):
@@ -32,8 +34,7 @@ def test_a_way_along_the_mesh_is_nearly_the_shortest_way():
                                          corners_at(mapped, goal))
             least = exact.length(start, goal)
             assert least - 1e-9 <= length <= LONGEST * least + 4.0 * EDGE
-            points, has_ended = distance.along(first, goal, corners_at(mapped, goal), np.inf)
-            assert has_ended
+            points = distance.along(first, goal, corners_at(mapped, goal))
             line = shapely.LineString((start, *points, goal))
             assert line.length == pytest.approx(length)
             assert mapped.polygon.buffer(1e-6).covers(line)
@@ -62,11 +63,27 @@ def test_a_hole_is_passed_on_its_short_side_where_detours_are_limited(longest_de
         way = mapped.way(start, goal, np.inf)
         length = shapely.LineString((start, *way.points)).length
         ratios.append(length / exact.length(start, goal))
-    if longest_detour == 1.1:
-        assert max(ratios) <= 1.1 * LONGEST + 4.0 * EDGE
-    else:
-        # Without the limit some are passed on the wrong side, or this test would show nothing.
-        assert max(ratios) > 1.1 * LONGEST + 4.0 * EDGE
+    # Without the limit some are passed on the wrong side, or this test would show nothing.
+    assert (max(ratios) > WRONG_SIDE) == (longest_detour == 100.0)
+
+
+def test_ways_differ_by_side_only_where_a_hole_lies_between_them():
+    start, goal = np.array((0.0, 0.0)), np.array((4.0, 0.0))
+    above, below = np.array([(1.0, 1.0), (3.0, 1.0)]), np.array([(1.0, -1.0), (3.0, -1.0)])
+    for hole, lies_between in (((2.0, 0.1), True), ((2.0, 1.2), False), ((5.0, 0.1), False)):
+        holes = np.array([(9.0, 9.0), hole])
+        assert passes_other_side(above, below, start, goal, holes) == lies_between
+        assert not passes_other_side(above, above + 1e-9, start, goal, holes)
+
+
+def test_without_holes_the_way_is_the_line_of_the_disk_however_long():
+    region = smooth_parts(random_snake(np.random.default_rng(12), 60, 0.3), 0.002)[0]
+    region = shapely.Polygon(region.exterior)
+    strict, lax = HarmonicMap(region, longest_detour=1.0), HarmonicMap(region, longest_detour=9.0)
+    places = random_points(np.random.default_rng(1), region, 20)
+    for start, goal in zip(places[:10], places[10:], strict=True):
+        first, second = (mapped.way(start, goal, 2.0).points for mapped in (strict, lax))
+        assert np.array_equal(first, second)
 
 
 @pytest.mark.parametrize('reach', [0.5, 1.5])

@@ -47,7 +47,7 @@ class ReactiveConfiguration(Configuration):
         1.0, 'pull of a hole on its border; large values shrink it to a point', low=0.01,
         high=1000.0)
     longest_detour: float = parameter(
-        1.1, 'times the shortest way along the mesh from which the harmonic way is too long',
+        1.1, 'times the way on the other side of a hole from which the harmonic way is too long',
         low=1.0, high=100.0)
     purge_switch: str = parameter(
         'scale_free', 'switch of the purging map; exponential is the published one',

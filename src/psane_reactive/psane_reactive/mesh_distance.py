@@ -73,6 +73,48 @@ def _nearest(vertices: FloatArray, distance: FloatArray, corners: IndexArray, x:
     return best, first
 
 
+@njit(cache=True)  # type: ignore[misc]
+def points_within(points: FloatArray, start: FloatArray, reach: float) -> int:
+    """Return how many points (k, 2) of a way from `start` (2,) its first `reach` metres take."""
+    x, y, length = start[0], start[1], 0.0
+    for k in range(points.shape[0]):
+        if length >= reach:
+            return k
+        length += math.hypot(points[k, 0] - x, points[k, 1] - y)
+        x, y = points[k, 0], points[k, 1]
+    return points.shape[0]
+
+
+@njit(cache=True)  # type: ignore[misc]
+def passes_other_side(first: FloatArray, second: FloatArray, start: FloatArray,
+                      goal: FloatArray, holes: FloatArray) -> bool:
+    """Tell whether one of the points `holes` (h, 2) lies between two ways from start to goal.
+
+    Parameters
+    ----------
+    first, second : (k, 2) float [m]
+        Ways without their ends.
+
+    Notes
+    -----
+    Even-odd rule on the loop that goes along the first way and back along the second.
+    """
+    loop = np.concatenate((np.expand_dims(start, 0), first, np.expand_dims(goal, 0),
+                           second[::-1]))
+    count = loop.shape[0]
+    for hole in range(holes.shape[0]):
+        x, y = holes[hole, 0], holes[hole, 1]
+        inside = False
+        for k in range(count):
+            ax, ay = loop[k, 0], loop[k, 1]
+            bx, by = loop[(k + 1) % count, 0], loop[(k + 1) % count, 1]
+            if (ay > y) != (by > y) and ax + (y - ay) / (by - ay) * (bx - ax) > x:
+                inside = not inside
+        if inside:
+            return True
+    return False
+
+
 class MeshDistance:
     """Distances along a mesh to one goal at a time.
 
@@ -115,15 +157,11 @@ class MeshDistance:
                                  float(position[1]))
         return float(length), int(first)
 
-    def along(self, first: int, goal: FloatArray, goal_corners: IndexArray,
-              reach: float) -> tuple[FloatArray, bool]:
-        """Return the vertices (k, 2) [m] from the first on, and whether they lead to the goal."""
+    def along(self, first: int, goal: FloatArray, goal_corners: IndexArray) -> FloatArray:
+        """Return the vertices (k, 2) [m] from the first on to one of the goal's triangle."""
         _, following = self._solve(goal, goal_corners)
-        points, length, vertex = [self._vertices[first]], 0.0, first
-        while length < reach:
+        chain, vertex = [first], int(following[first])
+        while vertex >= 0:
+            chain.append(vertex)
             vertex = int(following[vertex])
-            if vertex < 0:
-                return np.array(points), True
-            length += math.dist(points[-1], self._vertices[vertex])
-            points.append(self._vertices[vertex])
-        return np.array(points), False
+        return self._vertices[chain]

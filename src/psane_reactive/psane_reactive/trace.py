@@ -98,8 +98,8 @@ def pull_back_line(vertices: FloatArray, model: FloatArray, triangles: IndexArra
 
     Returns
     -------
-    The first `reach` [m] of the way (k, 2) [m] without its start; 1 when that ends in the goal's
-    triangle, 0 when it ends before, -1 when the walk failed; and the length of all of it [m].
+    The way (k, 2) [m] without its start, to the goal's triangle; how many of its points the first
+    `reach` [m] take, -1 when the walk failed; and the length of all of it [m].
 
     Notes
     -----
@@ -115,7 +115,7 @@ def pull_back_line(vertices: FloatArray, model: FloatArray, triangles: IndexArra
         if length < reach:
             kept = count
         if t == goal:
-            return way[:min(count, kept + 1)], 1 if kept == count else 0, length
+            return way[:count], min(count, kept + 1), length
         exit_edge = -1
         side_i, side_j = 0.0, 0.0
         for k in range(3):
