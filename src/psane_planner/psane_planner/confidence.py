@@ -22,12 +22,18 @@ class Bounds(NamedTuple):
         Upper end of c_t alone, at the narrower width that a certificate has to keep up with.
     resets : int
         Cells whose interval came out empty in this update and was started over.
+    version : int
+        Number of updates that changed an interval.
+    changed : Window or None
+        Cells outside of it are as they were in the version before.
     """
 
     lower: FloatArray
     upper: FloatArray
     newest: FloatArray
     resets: int
+    version: int = 0
+    changed: Window | None = None
 
 
 class ConfidenceIntervals:
@@ -49,6 +55,8 @@ class ConfidenceIntervals:
         self._upper = np.full(shape, np.inf)
         self._newest = np.full(shape, np.inf)
         self._last: tuple[FloatArray, FloatArray] | None = None
+        self._version = 0
+        self._changed: Window | None = None
         self.total_resets = 0
 
     def update(self, mean: FloatArray, std: FloatArray) -> Bounds:
@@ -72,10 +80,13 @@ class ConfidenceIntervals:
             self._lower, self._upper, self._newest = (
                 self._lower.copy(), self._upper.copy(), self._newest.copy())
             resets = self._narrow(mean[changed], std[changed], changed)
+            self._version += 1
+            self._changed = changed
             for array in (self._lower, self._upper, self._newest):
                 array.setflags(write=False)
         self.total_resets += resets
-        return Bounds(self._lower, self._upper, self._newest, resets)
+        return Bounds(self._lower, self._upper, self._newest, resets, self._version,
+                      self._changed)
 
     def _note_changes(self, mean: FloatArray, std: FloatArray) -> Window | None:
         """Return where the map differs from the last one; there is nothing to do elsewhere.

@@ -35,8 +35,8 @@ class ReactiveControllerNode(Node):
         self._settings = ParameterBridge(self, ReactiveNodeConfiguration).configuration
         self._bridge = ParameterBridge(self, ReactiveConfiguration, self._reconfigure)
         self._frame = self._bridge.configuration.map_frame
-        # Maps are built beside the control loop, one at a time.
-        self._executor = ThreadPoolExecutor(max_workers=1)
+        # Maps are built beside the control loop, one at a time, unless that is not wanted.
+        self._executor = ThreadPoolExecutor(max_workers=1) if self._settings.build_beside else None
         self._controller = ReactiveController(self._bridge.configuration, self._executor)
         self._controller.warm_up()
         self._region: SafeRegion | None = None
