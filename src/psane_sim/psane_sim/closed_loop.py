@@ -89,6 +89,7 @@ class ClosedLoop:
         self.record = RunRecord(grid=self._mapper.grid, start=np.array(start_pose[:2]),
                                 goal=self._goal)
         self._pose = np.array(start_pose)
+        self._asked = (0.0, 0.0)
         self._planned: tuple[FloatArray, FloatArray] | None = None
         self._planned_version = -1
         self.plan: Plan | None = None
@@ -138,6 +139,7 @@ class ClosedLoop:
         if tick % COMMAND_PERIOD == 0:
             command = self._controller.command(now)
             self._simulator.command(command.linear, command.angular)
+            self._asked = (command.linear, command.angular)
             self.record.steps.append((now, *truth.pose, command.linear, command.angular))
         if tick % SCORE_PERIOD == 0:
             entry = TruthEntry.of(truth)
@@ -151,6 +153,7 @@ class ClosedLoop:
         self._controller.set_odometry(
             tuple(self._pose), (float(sample.velocity[0]), float(sample.angular_velocity[2])),
             sample.time)
+        self._planner.note_motion(self._pose, *self._asked, sample.time)
 
     def _plan(self, now: float) -> None:
         """Plan on the newest maps, and hand region and subgoal to the controller."""
