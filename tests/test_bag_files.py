@@ -6,6 +6,7 @@ import random
 import numpy as np
 import pytest
 import yaml
+from bag_replay import BAGS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.reader import make_reader
@@ -17,15 +18,19 @@ from rosbags.interfaces import QosDurability, QosReliability
 from rosbags.rosbag2 import Reader
 from zstandard import ZstdError
 
-from psane_mapping import conversions
+from psane_mapping import conversions, fit
 from psane_mapping.bag_file import BagFile
 from psane_mapping.errors import BagError
 from psane_mapping.grid import Grid
 from psane_mapping.quality_of_service import LATCHED, SENSORS
+from psane_mapping.sample_source import read_samples
 from psane_msgs.msg import SafeRegion
 from psane_sim.bag_selection import Renaming, Selection
+from psane_sim.bag_summary import in_short
 from psane_sim.bag_timing import compare
 from psane_sim.bag_writer import BagWriter
+from psane_sim.demo_options import assignment_of, parse
+from psane_sim.errors import TaskError
 from psane_sim.read_ahead import ReadAhead
 from psane_sim.replay_schedule import schedule
 from psane_sim.ros_message_types import class_of, type_of
@@ -272,3 +277,47 @@ def test_reading_ahead_keeps_the_order_and_hands_on_errors():
         list(ahead)
     endless = ReadAhead(iter(int, 1), most=10)
     endless.close()
+
+
+# --- what is made of bags
+
+def test_the_fit_reads_samples_from_a_bag_and_makes_the_same_from_its_contacts(tmp_path):
+    samples = read_samples(BAGS / 'env1')
+    assert len(samples) > 50
+    assert read_samples(next((BAGS / 'env1').glob('*.mcap')))[0].time == samples[0].time
+    contacts = BagWriter(tmp_path / 'contacts')
+    with BagFile(BAGS / 'env1') as bag:
+        number = contacts.add_topic('/one/leg_contacts', type_of('psane_msgs/msg/LegContact'), [])
+        for count, message in enumerate(bag.messages(['/leg_contacts'])):
+            contacts.write(number, message.data, message.time, message.time, count + 1)
+    contacts.close({})
+    again = read_samples(tmp_path / 'contacts')
+    assert len(again) == len(samples)
+    for one, other in zip(samples, again, strict=True):
+        assert one.time == other.time and one.leg == other.leg
+        assert one.strength == pytest.approx(other.strength, rel=1e-6)
+        assert one.slip_deviation == pytest.approx(other.slip_deviation, rel=1e-6)
+
+
+def test_the_fit_command_takes_a_bag(tmp_path, capsys):
+    fit.main([str(BAGS / 'env1'), '--restarts', '0', '--most', '60',
+              '--out', str(tmp_path / 'fitted.yaml')])
+    assert 'held out: log density' in capsys.readouterr().out
+    assert 'lengthscale' in (tmp_path / 'fitted.yaml').read_text()
+
+
+def test_a_bag_without_contacts_or_samples_is_refused_with_a_sentence(folder, capsys):
+    with pytest.raises(SystemExit) as end:
+        fit.main([str(folder)])
+    assert end.value.code == 2
+    assert 'holds neither psane_msgs/msg/TerrainSample' in capsys.readouterr().err
+
+
+def test_the_demo_says_in_a_line_what_its_bag_holds(folder, tmp_path):
+    assert in_short(folder).endswith('400 messages on 2 topics, 0 lost')
+    assert 'not whole' in in_short(tmp_path / 'nowhere')
+
+
+def test_a_demo_in_one_process_cannot_be_recorded():
+    with pytest.raises(TaskError, match='has no topics; leave out --in-process'):
+        assignment_of(parse(['--record', '--in-process']))

@@ -15,8 +15,8 @@ def row(family='smooth', seed=0, **changes):
     made = {
         'family': family, 'seed': seed, 'success': True, 'ending': 'REACHED', 'cause': 'done',
         'time_s': 60.0, 'path_m': 9.0, 'unsafe_time_s': 0.0, 'unsafe_foot_share': 0.0,
-        'false_certified_cells': 0, 'certified_cells': 1000, 'coverage': 0.3, 'wall_s': 1.0, 'cpu_s': 1.0,
-        'is_possible': True, 'margin': 0.15, 'least_length_m': 6.0,
+        'false_certified_cells': 0, 'certified_cells': 1000, 'coverage': 0.3,
+        'wall_s': 1.0, 'cpu_s': 1.0, 'is_possible': True, 'margin': 0.15, 'least_length_m': 6.0,
         'least_time_s': 30.0, 'calibration': [(100, 10 - k) for k in range(len(BETAS))]}
     return {**made, **changes}
 

@@ -8,6 +8,7 @@ import numpy as np
 from psane_mapping.grid import FloatArray
 from psane_planner.discs import Mask
 from psane_planner.errors import MapError
+from psane_planner.transfer import Transfer
 from psane_planner.window import Window, window_around
 
 
@@ -25,7 +26,7 @@ class Bounds(NamedTuple):
     version : int
         Number of updates that changed an interval.
     changed : Window or None
-        Cells outside of it are as they were in the version before.
+        Cells outside of it are as they were in the version before; None when all may differ.
     """
 
     lower: FloatArray
@@ -87,6 +88,16 @@ class ConfidenceIntervals:
         self.total_resets += resets
         return Bounds(self._lower, self._upper, self._newest, resets, self._version,
                       self._changed)
+
+    def move(self, transfer: Transfer) -> None:
+        """Go on on a grid of another extent; nothing is known of cells that are new."""
+        self._lower = transfer.of(self._lower, -np.inf)
+        self._upper = transfer.of(self._upper, np.inf)
+        self._newest = transfer.of(self._newest, np.inf)
+        if self._last is not None:
+            self._last = (transfer.of(self._last[0], np.nan), transfer.of(self._last[1], np.nan))
+        self._version += 1
+        self._changed = None
 
     def _note_changes(self, mean: FloatArray, std: FloatArray) -> Window | None:
         """Return where the map differs from the last one; there is nothing to do elsewhere.

@@ -20,6 +20,7 @@ from psane_planner.scores import FrontierScores
 from psane_planner.status import Decision, PlannerState
 from psane_planner.strategies import Strategy
 from psane_planner.survey import FrontierSurveyor, Survey
+from psane_planner.transfer import Transfer
 
 # Progress toward a subgoal that counts as coming nearer [m].
 _APPROACH_STEP = 0.02
@@ -57,6 +58,12 @@ class Mission:
         self._subgoal: FloatArray | None = None
         self._focus: FloatArray | None = None
         self._retreat: FloatArray | None = None
+
+    def move(self, grid: Grid, transfer: Transfer) -> None:
+        """Go on on a grid of another extent; what is remembered are points, and stays."""
+        self._grid = grid
+        self._surveyor = FrontierSurveyor(self._configuration, grid, self._strategy.traits)
+        self._chooser.move(grid, transfer)
 
     @property
     def subgoal_count(self) -> int:

@@ -173,7 +173,9 @@ class SafePlannerNode(Node):
         now = self._now()
         if newest is not None and newest.grid != self._grid:
             self._grid = newest.grid
-            self._planner = SafePlanner(self._bridge.configuration, newest.grid)
+            # A map that has grown is no reason to forget; one with other cells is.
+            if self._planner is None or not self._planner.move(newest.grid):
+                self._planner = SafePlanner(self._bridge.configuration, newest.grid)
         if newest is None or self._planner is None:
             return
         settings = self._node_bridge.configuration

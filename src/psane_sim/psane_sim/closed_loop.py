@@ -107,6 +107,7 @@ class ClosedLoop:
         self.record = RunRecord(grid=self._mapper.grid, start=np.array(start_pose[:2]),
                                 goal=self._goal)
         self._pose = np.array(start_pose)
+        self._asked = (0.0, 0.0)
         self._planned: tuple[FloatArray, FloatArray] | None = None
         self._planned_version = -1
         self.plan: Plan | None = None
@@ -188,6 +189,7 @@ class ClosedLoop:
             if command.mode is Mode.STUCK and subgoal is not None:
                 self._planner.note_stuck(subgoal, now)
             self._simulator.command(command.linear, command.angular)
+            self._asked = (command.linear, command.angular)
         if tick % SCORE_PERIOD == 0:
             entry = TruthEntry.of(truth)
             self.record.truth.append(entry)
@@ -201,6 +203,7 @@ class ClosedLoop:
         self._controller.set_odometry(
             tuple(self._pose), (float(sample.velocity[0]), float(sample.angular_velocity[2])),
             sample.time)
+        self._planner.note_motion(self._pose, *self._asked, sample.time)
 
     def _plan(self, now: float) -> None:
         """Plan on the newest maps, and hand region and subgoal to the controller."""

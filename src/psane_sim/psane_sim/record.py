@@ -33,8 +33,8 @@ def parser() -> argparse.ArgumentParser:
                       help='end after this time [s on the wall] (default: at Ctrl-C)')
     made.add_argument('--quiet', action='store_true', help='print the last line only')
     made.add_argument('--measure', action='store_true',
-                      help='publish 1000 small messages and 20 maps a second on a graph of its own '
-                      'for the duration (default 10 s), record that, and print what was lost')
+                      help='publish 1000 small messages and 20 maps a second on a graph of '
+                      'its own for the duration (default 10 s), and print what a bag misses')
     return made
 
 

@@ -116,10 +116,10 @@ def measure(terrain: str = 'env1', seeds: int = 10, duration: float = 300.0,
                     strategy='psane_geodesic', threshold=0.5, seed=seed, duration=duration)
         controller = WatchedController(settings)
         loop = ClosedLoop(task, ground, ground.start_pose, Settings(reactive=settings),
-                          controller)
+                          controller=controller)
         outcome, _ = loop.run()
-        steps = np.array(loop.record.steps)
-        findings.add_way(controller.ticks, steps[:, 1:3])
+        findings.add_way(controller.ticks,
+                         np.array([entry.pose[:2] for entry in loop.record.truth]))
         findings.times.append(outcome.time)
         findings.reached += outcome.ending is Ending.REACHED
         print(f'{terrain}, seed {seed}: {outcome.ending.value} in {outcome.time:.1f} s',
