@@ -51,6 +51,13 @@ def region_of(certified, position, within=0.3, **details):
     return builder.build(certified, component, position, within)
 
 
+def vertices_within(polygon, area):
+    """Return the vertices of all rings that lie in an area, as tuples."""
+    rings = (polygon.exterior, *polygon.interiors)
+    return [vertex for ring in rings for vertex in ring.coords if area.contains(
+        shapely.Point(vertex))]
+
+
 def steerable_point(certified):
     """Return the cell centre that is deepest in certified ground."""
     depth = ndimage.distance_transform_edt(np.pad(certified, 1))[1:-1, 1:-1]
@@ -192,3 +199,31 @@ def test_a_sliver_thinner_than_the_inset_still_takes_a_point():
     sliver = shapely.box(0.0, 0.0, 1.0, 0.01)
     placed, _ = Placement(0.01).place(sliver, np.array((5.0, 5.0)))
     assert sliver.covers(shapely.Point(placed))
+
+
+@settings(max_examples=25, deadline=None)
+@given(SEEDS)
+def test_a_change_in_one_place_moves_no_vertex_elsewhere(seed):
+    draw = np.random.default_rng(seed)
+    certified = snake(draw)
+    position = steerable_point(certified)
+    before = region_of(certified, position)
+    row, column = np.argwhere(certified)[draw.integers(certified.sum())]
+    changed = certified.copy()
+    changed[row - 1:row + 2, column - 1:column + 2] = draw.uniform() < 0.5
+    if before is None or not changed[GRID.index_of(position)[0], GRID.index_of(position)[1]]:
+        return
+    after = region_of(changed, position)
+    if after is None:
+        return
+    # The change reaches as far as the clearance; simplification as far as the next fixed line.
+    place = GRID.point_of(np.array((row, column)))
+    reach = 0.15 * math.sqrt(2) + CLEARANCE + TOLERANCE + 0.5 * math.sqrt(2) + 0.1
+    far = shapely.box(-1, -1, 5, 4).difference(shapely.Point(*place).buffer(reach))
+    old, new = (vertices_within(polygon, far) for polygon in (before.polygon, after.polygon))
+    # What the change cuts off, or joins, is ground of its own; where both are, nothing moves.
+    shared = before.polygon.intersection(after.polygon).intersection(far)
+    for mine, others in ((old, new), (new, old)):
+        for vertex in mine:
+            if not shared.is_empty and shared.distance(shapely.Point(vertex)) < 1e-9:
+                assert any(math.dist(vertex, other) < 1e-6 for other in others)

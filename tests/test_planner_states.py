@@ -318,3 +318,19 @@ def test_what_a_plan_holds_cannot_be_changed():
     for array in (plan.certified, plan.component, plan.lower, plan.upper):
         with pytest.raises(ValueError, match='read-only'):
             array[0, 0] = 1
+
+
+def test_with_the_footprint_in_mind_no_foot_leaves_certified_ground_at_any_heading():
+    ground, goal = felt((2, 2, 1.0)), np.array((4.5, 2.0))
+    narrow, wide = (planner_of(footprint_aware=aware).update(*ground, pose(2, 2), goal, 0.0)
+                    for aware in (False, True))
+    assert wide.region.area < narrow.region.area
+    reach = PlannerConfiguration().footprint_radius
+    outline = np.asarray(wide.region.exterior.coords)
+    around = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    feet = (outline[:, None, :] + reach * np.stack((np.cos(around), np.sin(around)), axis=1)
+            ).reshape(-1, 2)
+    cells = GRID.index_of(feet)
+    assert wide.certified[cells[:, 0], cells[:, 1]].all()
+    # The point that is steered to counts the same way.
+    assert wide.region.contains(shapely.Point(*wide.subgoal))

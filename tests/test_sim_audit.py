@@ -15,8 +15,8 @@ def row(family='smooth', seed=0, **changes):
     made = {
         'family': family, 'seed': seed, 'success': True, 'ending': 'REACHED', 'cause': 'done',
         'time_s': 60.0, 'path_m': 9.0, 'unsafe_time_s': 0.0, 'unsafe_foot_share': 0.0,
-        'false_certified_cells': 0, 'certified_cells': 1000, 'coverage': 0.3, 'wall_s': 1.0,
-        'is_possible': True, 'is_possible_with_margin': True, 'least_length_m': 6.0,
+        'false_certified_cells': 0, 'certified_cells': 1000, 'coverage': 0.3,
+        'wall_s': 1.0, 'cpu_s': 1.0, 'is_possible': True, 'margin': 0.15, 'least_length_m': 6.0,
         'least_time_s': 30.0, 'calibration': [(100, 10 - k) for k in range(len(BETAS))]}
     return {**made, **changes}
 
@@ -25,7 +25,7 @@ def test_shares_are_of_the_trials_that_can_be_done():
     table = summarise_rows([
         row(), row(seed=1, success=False, ending='STALLED', time_s=99.0),
         row(seed=2, success=False, ending='TIMEOUT', is_possible=False,
-            is_possible_with_margin=False, least_length_m=None, least_time_s=None)])
+            margin=None, least_length_m=None, least_time_s=None)])
     assert table['all'] == table['smooth']
     assert table['all']['trials'] == 3 and table['all']['possible'] == 2
     assert table['all']['success_share'] == 0.5
@@ -53,7 +53,7 @@ def test_the_calibration_weighs_cells_and_not_trials():
 
 
 def test_a_family_without_a_single_success_still_has_its_line():
-    table = summarise_rows([row(success=False, is_possible=False, is_possible_with_margin=False)])
+    table = summarise_rows([row(success=False, is_possible=False, margin=None)])
     assert table['smooth']['success_share'] is None
     assert '| smooth | 1 | 0 | - |' in as_markdown(table)
 
@@ -68,7 +68,7 @@ def test_a_trial_is_repeatable_and_can_be_written_as_json():
     settings = AuditSettings(duration=6.0)
     first, second = (run_trial(Trial('smooth', 3), settings) for _ in range(2))
     for result in (first, second):
-        result.pop('wall_s')
+        result.pop('wall_s'), result.pop('cpu_s')
     assert first == second and first['ending'] == 'TIMEOUT' and first['cause']
     assert json.loads(json.dumps(first))['calibration'] == [list(c) for c in first['calibration']]
     counts = np.array(first['calibration'])

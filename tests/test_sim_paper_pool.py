@@ -2,7 +2,9 @@
 """Workers that die, and how long the rest will take."""
 
 import io
+import multiprocessing
 import os
+import time
 
 import pytest
 
@@ -25,6 +27,24 @@ def given_up(number, shared):
 def test_a_worker_that_dies_costs_its_own_trial_and_no_other():
     results = dict(run_steadily(square, [1, 2, FATAL, 4, 5], 100, 2, given_up))
     assert results == {1: 101, 2: 104, FATAL: None, 4: 116, 5: 125}
+
+
+def sleep_long(number, shared):
+    if number:
+        time.sleep(600.0)
+    return number
+
+
+def test_an_experiment_that_is_broken_off_leaves_no_worker_behind():
+    others = set(multiprocessing.active_children())
+    results = run_steadily(sleep_long, [0, 1, 2], None, 2, given_up)
+    assert next(results) == 0
+    workers = set(multiprocessing.active_children()) - others
+    assert workers
+    results.close()
+    for worker in workers:
+        worker.join(20.0)
+        assert not worker.is_alive()
 
 
 def test_nothing_to_do_starts_no_worker():

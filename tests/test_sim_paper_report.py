@@ -5,6 +5,8 @@ import base64
 import json
 import re
 import shutil
+import sys
+import types
 from dataclasses import replace
 from pathlib import Path
 
@@ -121,6 +123,40 @@ def test_bad_arguments_are_answered_in_words(arguments, words, capsys):
 def test_an_unknown_row_is_answered_with_the_list(experiment, capsys):
     assert run('replay', experiment, 'goal_mars-psane-0') == 2
     assert 'goal_short-ngh-0' in capsys.readouterr().err
+
+
+class FakeFuture:
+    def __init__(self, value):
+        self._value = value
+
+    def result(self):
+        return self._value
+
+
+class FakeClient:
+    """A cluster that runs everything at once, in this process."""
+
+    def __init__(self, address, timeout):
+        assert address == 'tcp://there:8786'
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *problem):
+        return None
+
+    def map(self, run_one, trials, shared, pure):
+        return [FakeFuture(run_one(made, shared=shared)) for made in trials]
+
+
+def test_rows_and_runs_that_a_cluster_made_are_written_here(tmp_path, monkeypatch):
+    module = types.SimpleNamespace(Client=FakeClient, as_completed=iter)
+    monkeypatch.setitem(sys.modules, 'distributed', module)
+    monkeypatch.setattr(paper, 'PAPER_TASKS', TASKS[1:])
+    assert run('paper', '--kinematic', '--trials', 2, '--strategies', 'ngh', '--scheduler',
+               'tcp://there:8786', '--out', tmp_path) == 0
+    assert set(rows_of(tmp_path)) == {'explore_short-ngh-0', 'explore_short-ngh-1'}
+    assert len(list((tmp_path / 'runs').glob('*.npz'))) == 2
 
 
 # --- terrains that make no sense

@@ -8,6 +8,7 @@ from psane_planner.configuration import PlannerConfiguration
 from psane_planner.discs import Integers, Mask
 from psane_planner.scores import FrontierScores
 from psane_planner.strategies import Strategy
+from psane_planner.transfer import Transfer
 
 
 class FrontierChooser:
@@ -33,6 +34,15 @@ class FrontierChooser:
         """Forget the frontier under way and the number of choices."""
         self.cell = None
         self.changes = 0
+
+    def move(self, grid: Grid, transfer: Transfer) -> None:
+        """Go on on a grid of another extent."""
+        self._grid = grid
+        if self.cell is None:
+            return
+        cell = self.cell + (transfer.rows, transfer.columns)
+        is_inside = (cell >= 0).all() and (cell < transfer.shape).all()
+        self.cell = cell if is_inside else None
 
     def choose(self, scores: FrontierScores, component: Mask,
                has_arrived: bool) -> Integers | None:

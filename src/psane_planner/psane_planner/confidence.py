@@ -8,6 +8,7 @@ import numpy as np
 from psane_mapping.grid import FloatArray
 from psane_planner.discs import Mask
 from psane_planner.errors import MapError
+from psane_planner.transfer import Transfer
 from psane_planner.window import Window, window_around
 
 
@@ -22,12 +23,18 @@ class Bounds(NamedTuple):
         Upper end of c_t alone, at the narrower width that a certificate has to keep up with.
     resets : int
         Cells whose interval came out empty in this update and was started over.
+    version : int
+        Number of updates that changed an interval.
+    changed : Window or None
+        Cells outside of it are as they were in the version before; None when all may differ.
     """
 
     lower: FloatArray
     upper: FloatArray
     newest: FloatArray
     resets: int
+    version: int = 0
+    changed: Window | None = None
 
 
 class ConfidenceIntervals:
@@ -49,6 +56,8 @@ class ConfidenceIntervals:
         self._upper = np.full(shape, np.inf)
         self._newest = np.full(shape, np.inf)
         self._last: tuple[FloatArray, FloatArray] | None = None
+        self._version = 0
+        self._changed: Window | None = None
         self.total_resets = 0
 
     def update(self, mean: FloatArray, std: FloatArray) -> Bounds:
@@ -72,10 +81,23 @@ class ConfidenceIntervals:
             self._lower, self._upper, self._newest = (
                 self._lower.copy(), self._upper.copy(), self._newest.copy())
             resets = self._narrow(mean[changed], std[changed], changed)
+            self._version += 1
+            self._changed = changed
             for array in (self._lower, self._upper, self._newest):
                 array.setflags(write=False)
         self.total_resets += resets
-        return Bounds(self._lower, self._upper, self._newest, resets)
+        return Bounds(self._lower, self._upper, self._newest, resets, self._version,
+                      self._changed)
+
+    def move(self, transfer: Transfer) -> None:
+        """Go on on a grid of another extent; nothing is known of cells that are new."""
+        self._lower = transfer.of(self._lower, -np.inf)
+        self._upper = transfer.of(self._upper, np.inf)
+        self._newest = transfer.of(self._newest, np.inf)
+        if self._last is not None:
+            self._last = (transfer.of(self._last[0], np.nan), transfer.of(self._last[1], np.nan))
+        self._version += 1
+        self._changed = None
 
     def _note_changes(self, mean: FloatArray, std: FloatArray) -> Window | None:
         """Return where the map differs from the last one; there is nothing to do elsewhere.

@@ -26,7 +26,7 @@ class PlannerConfiguration(Configuration):
         0.1, 'standard deviation of slip below which ground counts as felt (bound)',
         low=0.0, high=1.0)
     felt_slope: float = parameter(
-        1.0, 'steepest rise of slip reckoned with beyond felt ground; 0 trusts the map alone '
+        1.3, 'steepest rise of slip reckoned with beyond felt ground; 0 trusts the map alone '
         '(bound)', unit='1/m', low=0.0, high=100.0)
     lipschitz_constant: float = parameter(
         2.0, 'L: steepest change of slip that is believed possible', unit='1/m',

@@ -121,12 +121,13 @@ def union_of_discs(radii: Integers) -> Mask:
 
 
 @compiled
-def count_in_discs(targets: Mask, cells: Integers, radii: Integers) -> Integers:
+def count_in_discs(targets: Mask | Integers, cells: Integers, radii: Integers) -> Integers:
     """Count target cells in the disc around each of some cells.
 
     Parameters
     ----------
-    targets : (rows, columns) bool
+    targets : (rows, columns) bool or int
+        Numbers are added up.
     cells : (n, 2) int
         Row and column of the centres.
     radii : (n,) int [cells^2]

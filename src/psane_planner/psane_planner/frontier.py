@@ -50,7 +50,7 @@ def beside(mask: Mask) -> Mask:
     return near
 
 
-def expansion_counts(cells: Integers, lower: FloatArray, targets: Mask,
+def expansion_counts(cells: Integers, lower: FloatArray, targets: Mask | Integers,
                      configuration: PlannerConfiguration, resolution: float) -> Integers:
     """Return g_t: the uncertified cells that each frontier cell might certify.
 
@@ -60,8 +60,8 @@ def expansion_counts(cells: Integers, lower: FloatArray, targets: Mask,
         Row and column of the frontier cells.
     lower : (rows, columns) float [-], slip ratio
         Lower ends l_t of the confidence intervals.
-    targets : (rows, columns) bool
-        Cells that count.
+    targets : (rows, columns) bool or int
+        Cells that count, or how much each counts.
 
     Returns
     -------

@@ -84,21 +84,28 @@ def _relax(cost: FloatArray, fixed: Mask, field: FloatArray) -> None:
 
 
 @compiled
-def _solve(passable: Mask, row: float, column: float, radius: int) -> FloatArray:
-    field = np.full(passable.shape, np.inf)
-    fixed = np.zeros(passable.shape, np.bool_)
+def _solve(cost: FloatArray, row: float, column: float, radius: int) -> FloatArray:
+    field = np.full(cost.shape, np.inf)
+    fixed = np.zeros(cost.shape, np.bool_)
+    passable = cost < np.inf
+    at_row, at_column, beside = int(math.floor(row + 0.5)), int(math.floor(column + 0.5)), 0.0
     if _seed(passable, row, column, field, fixed, radius) == 0:
-        nearest, at_row, at_column = np.inf, -1, -1
-        for r in range(passable.shape[0]):
-            for c in range(passable.shape[1]):
+        nearest = np.inf
+        for r in range(cost.shape[0]):
+            for c in range(cost.shape[1]):
                 distance = math.hypot(r - row, c - column)
                 if passable[r, c] and distance < nearest:
                     nearest, at_row, at_column = distance, r, c
-        if at_row < 0:
+        if nearest == np.inf:
             return field
         _seed(passable, float(at_row), float(at_column), field, fixed, radius)
-        field += nearest
-    _relax(np.where(passable, 1.0, np.inf), fixed, field)
+        beside = nearest
+    at_row = min(max(at_row, 0), cost.shape[0] - 1)
+    at_column = min(max(at_column, 0), cost.shape[1] - 1)
+    # Close to the source the ground is taken to be as its own cell is.
+    own = cost[at_row, at_column] if passable[at_row, at_column] else 1.0
+    field = own * field + beside
+    _relax(cost, fixed, field)
     return field
 
 
@@ -121,9 +128,25 @@ def distance_along(passable: Mask, grid: Grid, source: FloatArray) -> FloatArray
     Fast sweeping (Zhao 2005) of the first-order upwind scheme; cells in plain view of the source
     within six cells are exact, which keeps the scheme's error near a point source away.
     """
-    row = (source[1] - grid.origin_y) / grid.resolution - 0.5
-    column = (source[0] - grid.origin_x) / grid.resolution - 0.5
-    return _solve(passable, float(row), float(column), _SEED_RADIUS) * grid.resolution
+    cost = np.where(passable, 1.0, np.inf)
+    return _solve(cost, *_place(grid, source), _SEED_RADIUS) * grid.resolution
+
+
+def least_cost(cost: FloatArray, grid: Grid, source: FloatArray) -> FloatArray:
+    """Return the least cost of a way from a point to every cell, over ground of uneven cost.
+
+    Parameters
+    ----------
+    cost : (rows, columns) float [1/m]
+        Of a metre, infinite where there is no way.
+    source : (2,) float, map frame [m]
+        As in `distance_along`.
+
+    Returns
+    -------
+    (rows, columns) float [-], infinite where no way leads.
+    """
+    return _solve(cost, *_place(grid, source), _NEAR_RADIUS) * grid.resolution
 
 
 def travel_time(slowness: FloatArray, grid: Grid, source: FloatArray) -> FloatArray:
@@ -134,23 +157,22 @@ def travel_time(slowness: FloatArray, grid: Grid, source: FloatArray) -> FloatAr
     slowness : (rows, columns) float [s/m]
         Time for a metre, infinite where there is no way.
     source : (2,) float, map frame [m]
-        Lies in the grid.
+        Lies in the grid; where it is not on passable ground, there is no way.
 
     Returns
     -------
     (rows, columns) float [s], infinite where no way leads.
     """
     row, column = grid.index_of(source)
-    cost = slowness * grid.resolution
-    field = np.full(grid.shape, np.inf)
-    fixed = np.zeros(grid.shape, np.bool_)
-    if np.isfinite(cost[row, column]):
-        # The ground around the source is as slow as the source's own cell.
-        at = (source - (grid.origin_x, grid.origin_y)) / grid.resolution - 0.5
-        _seed(np.isfinite(cost), float(at[1]), float(at[0]), field, fixed, _NEAR_RADIUS)
-        field *= cost[row, column]
-        _relax(cost, fixed, field)
-    return field
+    if not np.isfinite(slowness[row, column]):
+        return np.full(grid.shape, np.inf)
+    return least_cost(slowness, grid, source)
+
+
+def _place(grid: Grid, point: FloatArray) -> tuple[float, float]:
+    """Return row and column of a point (2,) [m] as real numbers, whole at centres of cells."""
+    return (float((point[1] - grid.origin_y) / grid.resolution - 0.5),
+            float((point[0] - grid.origin_x) / grid.resolution - 0.5))
 
 
 @compiled

@@ -20,6 +20,7 @@ from psane_planner.scores import FrontierScores
 from psane_planner.status import Decision, PlannerState
 from psane_planner.strategies import Strategy
 from psane_planner.survey import FrontierSurveyor, Survey
+from psane_planner.transfer import Transfer
 
 # Progress toward a subgoal that counts as coming nearer [m].
 _APPROACH_STEP = 0.02
@@ -28,6 +29,8 @@ _AREA_STEP = 0.1
 # Share of the goal tolerance by which the point steered to may miss the goal; the rest is for
 # the controller's own.
 _GOAL_SHARE = 0.5
+# A place that comes back from the steering is the same one up to rounding [m].
+_SAME_SUBGOAL = 0.01
 
 
 class Mission:
@@ -55,6 +58,12 @@ class Mission:
         self._subgoal: FloatArray | None = None
         self._focus: FloatArray | None = None
         self._retreat: FloatArray | None = None
+
+    def move(self, grid: Grid, transfer: Transfer) -> None:
+        """Go on on a grid of another extent; what is remembered are points, and stays."""
+        self._grid = grid
+        self._surveyor = FrontierSurveyor(self._configuration, grid, self._strategy.traits)
+        self._chooser.move(grid, transfer)
 
     @property
     def subgoal_count(self) -> int:
@@ -177,6 +186,17 @@ class Mission:
         away = float(np.hypot(*(self._subgoal - scene.position)))
         if self._approach.time_without(-away, scene.now) > self._configuration.approach_time:
             self._memory.set_aside(focus, scene.now)
+
+    def give_up(self, subgoal: FloatArray, now: float) -> bool:
+        """Set a subgoal (2,) [m] aside that the robot cannot get to; return whether it is sought.
+
+        The goal itself is never set aside.
+        """
+        if (self._subgoal is None or self._focus is None
+                or np.hypot(*(self._subgoal - subgoal)) > _SAME_SUBGOAL):
+            return False
+        self._memory.set_aside(self._focus, now)
+        return True
 
     def _with_patience(self, scene: Scene, decision: Decision) -> Decision:
         """Report a search that goes on without winning ground."""

@@ -22,6 +22,7 @@ from psane_planner.scores import FrontierScores
 from psane_planner.status import Decision, Plan
 from psane_planner.strategies import make_strategy
 from psane_planner.stride_monitor import StrideMonitor
+from psane_planner.transfer import transfer_between
 
 
 class SafePlanner:
@@ -65,17 +66,43 @@ class SafePlanner:
         self._safe_set = SafeSet(configuration, self.grid, self._safe_set.mask)
         self._make_parts()
 
+    def move(self, grid: Grid) -> bool:
+        """Go on on a grid of another extent, as when the map has grown.
+
+        Intervals, certificates, the way to the goal so far and what strides told are kept where
+        the cells coincide.
+
+        Returns
+        -------
+        bool
+            False when the cells of the grids do not coincide: nothing is done.
+        """
+        transfer = transfer_between(self.grid, grid)
+        if transfer is None:
+            return False
+        self.grid = grid
+        self._intervals.move(transfer)
+        self._safe_set = SafeSet(self.configuration, grid, transfer.of(self._safe_set.mask, False))
+        self._felt = None
+        self._make_ground_parts()
+        self._mission.move(grid, transfer)
+        return True
+
     def _wide_open(self, configuration: PlannerConfiguration) -> ConfidenceIntervals:
         return ConfidenceIntervals(self.grid.shape, configuration.confidence_scale,
                                    configuration.revocation_scale)
 
     def _make_parts(self) -> None:
         """Make what holds no knowledge of the ground."""
+        self._make_ground_parts()
+        self._mission = Mission(self.configuration, self.grid, self._strategy)
+
+    def _make_ground_parts(self) -> None:
+        """Make what depends on the grid alone."""
         config = self.configuration
         self._inner: Mask | None = None
         self._builder = RegionBuilder(self.grid, config.region_clearance,
                                       config.contour_tolerance)
-        self._mission = Mission(config, self.grid, self._strategy)
 
     def warm_up(self) -> None:
         """Compile what runs compiled, so that no cycle of a mission has to wait for it."""
@@ -107,6 +134,15 @@ class SafePlanner:
         is_known = self._felt is not None and bool(self.grid.contains(pose[:2]))
         felt = float(self._felt[row, column]) if is_known and self._felt is not None else math.nan
         self.strides.note(now, pose, linear, angular, felt)
+
+    def note_stuck(self, subgoal: FloatArray, now: float) -> bool:
+        """Take note that the steering gets nowhere on its way to a subgoal (2,) [m].
+
+        Returns
+        -------
+        Whether that is a frontier that is sought now; it rests for a while.
+        """
+        return self._mission.give_up(subgoal, now)
 
     def update(self, slip_mean: FloatArray | None, slip_std: FloatArray | None,
                pose: FloatArray | None, goal: FloatArray | None, now: float,

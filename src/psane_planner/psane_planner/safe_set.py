@@ -53,6 +53,7 @@ class SafeSet:
         """Start with `mask` (rows, columns) as S_{t-1}, by default with no certified cell."""
         self._configuration = configuration
         self._grid = grid
+        self._rests_on: tuple[int, Mask, Mask | None] | None = None
         self.mask: Mask = np.zeros(grid.shape, dtype=np.bool_) if mask is None else mask
 
     def update(self, bounds: Bounds, std: FloatArray, admissible: Mask,
@@ -72,6 +73,8 @@ class SafeSet:
         known_safe : (rows, columns) bool, optional
             Cells that are certified unasked, until they are known to be unsafe.
         """
+        if self._is_current(bounds, admissible, known_safe):
+            return self.mask
         h = self._configuration.slip_threshold
         previous = self.mask & admissible
         own = (bounds.upper <= h) & admissible
@@ -90,7 +93,15 @@ class SafeSet:
             certified = certified | (known_safe & admissible & ~(bounds.lower > h))
         certified.setflags(write=False)
         self.mask = certified
+        self._rests_on = (bounds.version, admissible, known_safe)
         return certified
+
+    def _is_current(self, bounds: Bounds, admissible: Mask, known_safe: Mask | None) -> bool:
+        """Tell whether nothing has changed; propagation goes on even then."""
+        known = self._rests_on
+        return (known is not None and self._configuration.certification == 'bound'
+                and known[0] == bounds.version and known[1] is admissible
+                and known[2] is known_safe)
 
     def _within_felt_reach(self, bounds: Bounds, std: FloatArray) -> Mask:
         """Return the cells that stay safe even if slip rises steeply beyond what was felt."""

@@ -20,7 +20,7 @@ class FrontierScores:
     cells : (n, 2) int
         Row and column.
     points : (n, 2) float, map frame [m]
-    growth : (n,) int [-], count
+    growth : (n,) float [-], count
         g_t, the cells that might be certified from here.
     expansion : (n,) float [-], probability
         P_e = 1 - exp(-k_e g_t).
@@ -36,7 +36,7 @@ class FrontierScores:
 
     cells: Integers
     points: FloatArray
-    growth: Integers
+    growth: FloatArray
     expansion: FloatArray
     goal_value: FloatArray
     overall: FloatArray
@@ -49,7 +49,7 @@ class FrontierScores:
         return int(self.cells.shape[0])
 
 
-def score_frontier(cells: Integers, points: FloatArray, growth: Integers, way: FloatArray,
+def score_frontier(cells: Integers, points: FloatArray, growth: FloatArray, way: FloatArray,
                    eligible: NDArray[np.bool_], expansion_rate: float,
                    goal_decay: float) -> FrontierScores:
     """Score frontier cells.

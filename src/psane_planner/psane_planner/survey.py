@@ -8,15 +8,39 @@ import numpy as np
 
 from psane_mapping.grid import FloatArray, Grid
 from psane_planner.configuration import PlannerConfiguration
-from psane_planner.discs import Integers, Mask
+from psane_planner.discs import Integers, Mask, count_in_discs
 from psane_planner.frontier import expansion_counts, frontier_cells
 from psane_planner.geodesic import distance_along, distance_within_reach
 from psane_planner.memory import FrontierMemory
+from psane_planner.prospects import WHOLE, Prospects
 from psane_planner.region import Region
 from psane_planner.scene import Scene
 from psane_planner.scores import FrontierScores, score_frontier
 from psane_planner.strategies import Traits
 from psane_planner.window import window_around
+
+_BESIDE = 2
+"""Squared radius that holds the eight neighbours of a cell [cells^2]."""
+
+
+class Ground(NamedTuple):
+    """The frontier, apart from the robot's way to it.
+
+    Parameters
+    ----------
+    cells : (n, 2) int
+    points : (n, 2) float, map frame [m]
+    growth : (n,) float [-], count
+    beside : (n,) float [-], count, or None
+        What could be won right beside the cells, however steeply slip may rise.
+    to_goal : (n,) float [m], or None
+    """
+
+    cells: Integers
+    points: FloatArray
+    growth: FloatArray
+    beside: FloatArray | None
+    to_goal: FloatArray | None
 
 
 class Survey(NamedTuple):
@@ -34,35 +58,58 @@ class Survey(NamedTuple):
 
 
 class FrontierSurveyor:
-    """Scores the frontier of a scene; keeps the goal's distance field while it stays right."""
+    """Scores the frontier of a scene; keeps what was worked out while it stays right."""
 
     def __init__(self, configuration: PlannerConfiguration, grid: Grid, traits: Traits) -> None:
         """Survey `grid` the way the `traits` of a strategy ask for."""
         self._configuration = configuration
         self._grid = grid
         self._traits = traits
-        self._goal_field: tuple[Mask, FloatArray, FloatArray] | None = None
+        self._known: tuple[Scene, Ground] | None = None
+        self._prospects = Prospects(grid, configuration.confidence_scale,
+                                    configuration.slip_threshold)
 
     def survey(self, scene: Scene, region: Region, memory: FrontierMemory) -> Survey:
         """Return the frontier of the scene with its scores."""
         config = self._configuration
-        possible = scene.admissible & ~(scene.bounds.lower > config.slip_threshold)
-        targets = (possible if self._traits.is_geodesic else scene.admissible) & ~scene.certified
-        cells = frontier_cells(scene.component, scene.certified, scene.admissible)
-        points = self._grid.point_of(cells)
-        growth = expansion_counts(cells, scene.bounds.lower, targets, config,
-                                  self._grid.resolution)
+        cells, points, growth, beside, to_goal = self._ground(scene)
         to_robot = self._way_to_robot(scene, region, cells, points)
-        eligible = np.isfinite(to_robot)
-        if self._traits.needs_growth:
-            eligible &= growth > 0
+        awake = np.isfinite(to_robot)
         if self._traits.rests_frontiers:
-            eligible &= ~memory.is_resting(points, scene.now)
-        way, is_cut_off = self._with_goal(scene, possible, cells, points, to_robot, eligible)
+            awake &= ~memory.is_resting(points, scene.now)
+        eligible = awake & (growth > 0) if self._traits.needs_growth else awake
+        if not eligible.any() and beside is not None:
+            # Nothing is within the reach of a cone: what is left is to look one cell further.
+            growth, eligible = beside, awake & (beside > 0)
+        way, is_cut_off = _with_goal(scene, points, to_robot, to_goal, eligible)
         decay = (config.geodesic_goal_decay if self._traits.is_geodesic else config.goal_decay)
         scores = score_frontier(cells, points, growth, way, eligible & np.isfinite(way),
                                 config.expansion_rate, decay)
         return Survey(scores, is_cut_off)
+
+    def _ground(self, scene: Scene) -> Ground:
+        """Return what does not depend on where the robot is, as long as the ground is the same."""
+        if self._known is None or not _is_same_ground(self._known[0], scene):
+            cells = frontier_cells(scene.component, scene.certified, scene.admissible)
+            points = self._grid.point_of(cells)
+            self._known = (scene, Ground(cells, points, *self._growth(scene, cells),
+                                         self._way_to_goal(scene, cells, points)))
+        return self._known[1]
+
+    def _growth(self, scene: Scene, cells: Integers) -> tuple[FloatArray, FloatArray | None]:
+        """Return g_t of frontier cells (n, 2), (n,) [-], and the same of the cells beside them.
+
+        If geodesic, a cell counts as much as it is likely safe.
+        """
+        open_ground = scene.admissible & ~scene.certified
+        if not self._traits.is_geodesic:
+            return expansion_counts(cells, scene.bounds.lower, open_ground, self._configuration,
+                                    self._grid.resolution).astype(np.float64), None
+        weights = self._prospects.weights(scene.bounds, open_ground)
+        counts = expansion_counts(cells, scene.bounds.lower, weights, self._configuration,
+                                  self._grid.resolution)
+        beside = count_in_discs(weights, cells, np.full(len(cells), _BESIDE))
+        return counts / WHOLE, beside / WHOLE
 
     def _way_to_robot(self, scene: Scene, region: Region, cells: Integers,
                       points: FloatArray) -> FloatArray:
@@ -89,26 +136,33 @@ class FrontierSurveyor:
         way[near] = distance_within_reach(field, inside[near], part, reach)
         return way
 
-    def _with_goal(self, scene: Scene, possible: Mask, cells: Integers, points: FloatArray,
-                   to_robot: FloatArray, eligible: Mask) -> tuple[FloatArray, bool]:
-        """Add the way on to the goal; tell whether none is left for any eligible cell."""
+    def _way_to_goal(self, scene: Scene, cells: Integers, points: FloatArray
+                     ) -> FloatArray | None:
+        """Return the way on from frontier cells (n, 2) to the goal, (n,) [m]; None without one."""
         if scene.goal is None:
-            return to_robot, False
+            return None
         if not self._traits.is_geodesic:
-            return to_robot + _straight(points, scene.goal), False
-        to_goal = self._field_of_goal(scene.goal, possible)[cells[:, 0], cells[:, 1]]
-        if eligible.any() and not np.isfinite(to_goal[eligible]).any():
-            return to_robot + _straight(points, scene.goal), True
-        return to_robot + to_goal, False
+            return _straight(points, scene.goal)
+        return self._prospects.way_to(scene.goal, scene.bounds, scene.admissible, cells)
 
-    def _field_of_goal(self, goal: FloatArray, possible: Mask) -> FloatArray:
-        last = self._goal_field
-        if last is not None and np.array_equal(last[0], possible) \
-                and np.array_equal(last[1], goal):
-            return last[2]
-        field = distance_along(possible, self._grid, goal)
-        self._goal_field = (possible, goal, field)
-        return field
+
+def _is_same_ground(one: Scene, other: Scene) -> bool:
+    """Tell whether frontier, growth and way to the goal are the same in two scenes."""
+    same_goal = (one.goal is None) == (other.goal is None) and (
+        one.goal is None or other.goal is None or np.array_equal(one.goal, other.goal))
+    return (same_goal and one.bounds.lower is other.bounds.lower
+            and one.certified is other.certified and one.admissible is other.admissible
+            and np.array_equal(one.component, other.component))
+
+
+def _with_goal(scene: Scene, points: FloatArray, to_robot: FloatArray,
+               to_goal: FloatArray | None, eligible: Mask) -> tuple[FloatArray, bool]:
+    """Add the way on to the goal; tell whether none is left for any eligible cell."""
+    if scene.goal is None or to_goal is None:
+        return to_robot, False
+    if eligible.any() and not np.isfinite(to_goal[eligible]).any():
+        return to_robot + _straight(points, scene.goal), True
+    return to_robot + to_goal, False
 
 
 def _straight(points: FloatArray, target: FloatArray) -> FloatArray:

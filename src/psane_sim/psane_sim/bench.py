@@ -49,6 +49,13 @@ def measure_map() -> dict[str, float]:
     return {**map_benchmark.measure(full=True), **ros_map_latency.measure()}
 
 
+def measure_steering() -> dict[str, float]:
+    """Return every figure of the steering, those of the physics with them: an hour or more."""
+    # Only here: the other parts need none of it.
+    from psane_sim import steering_figures
+    return {**steer_benchmark.measure_full(), **steering_figures.measure()}
+
+
 PARTS: dict[str, Callable[[], dict[str, float]]] = {
     'sim': measure_sim,
     'touch': measure_touch,
@@ -68,12 +75,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
                         help='one JSON object of named numbers on standard output')
     parser.add_argument('--page', type=Path, metavar='FILE',
                         help='write a page (Markdown) of the figures and what they are')
+    parser.add_argument('--full', action='store_true',
+                        help='steer: every recorded region, 1000 worlds, 100000 points and 10 '
+                        'runs on the physics, an hour or more; goes on where it was broken off '
+                        f'({steer_benchmark.DEFAULT_LEDGER})')
     options = parser.parse_args(arguments)
+    if options.full and options.part != 'steer':
+        parser.error('--full is for the part steer')
     measured: dict[str, dict[str, float]] = {}
     for part in PARTS if options.part == 'all' else [options.part]:
         began = time.monotonic()
         print(f'measuring {part} ...', file=sys.stderr, flush=True)
-        measured[part] = PARTS[part]()
+        measured[part] = measure_steering() if options.full else PARTS[part]()
         print(f'measured {part} in {time.monotonic() - began:.0f} s', file=sys.stderr, flush=True)
         if not options.json:
             for name, value in measured[part].items():

@@ -20,6 +20,7 @@ from psane_planner.configuration import PlannerConfiguration
 from psane_planner.discs import Mask
 from psane_planner.planner import SafePlanner
 from psane_planner.status import Plan, PlannerState
+from psane_reactive.command import Mode
 from psane_reactive.configuration import ReactiveConfiguration
 from psane_reactive.controller import ReactiveController
 from psane_sim.configuration import SimulatorConfiguration
@@ -72,6 +73,8 @@ class ClosedLoop:
     settings : Settings
     mapper : TerrainMapper, optional
         A map that other robots share; one of its own if there is none.
+    controller : ReactiveController, optional
+        One that somebody watches; one of its own if there is none.
 
     Attributes
     ----------
@@ -82,7 +85,8 @@ class ClosedLoop:
     """
 
     def __init__(self, task: Task, terrain: Terrain, start_pose: tuple[float, float, float],
-                 settings: Settings, mapper: TerrainMapper | None = None) -> None:
+                 settings: Settings, mapper: TerrainMapper | None = None,
+                 controller: ReactiveController | None = None) -> None:
         self._task = task
         self._goal = None if task.goal is None else np.array(task.goal)
         self.settings = settings
@@ -96,13 +100,14 @@ class ClosedLoop:
         self._mapper.warm_up()
         self._planner = SafePlanner(settings.planner, self._mapper.grid)
         self._planner.warm_up()
-        self._controller = ReactiveController(settings.reactive)
+        self._controller = controller or ReactiveController(settings.reactive)
         self._controller.warm_up()
         self._scorer = Scorer(terrain, self._mapper.grid, np.array(start_pose[:2]),
                               task.threshold)
         self.record = RunRecord(grid=self._mapper.grid, start=np.array(start_pose[:2]),
                                 goal=self._goal)
         self._pose = np.array(start_pose)
+        self._asked = (0.0, 0.0)
         self._planned: tuple[FloatArray, FloatArray] | None = None
         self._planned_version = -1
         self.plan: Plan | None = None
@@ -180,7 +185,11 @@ class ClosedLoop:
                                          *truth.joint_angle))
         if tick % COMMAND_PERIOD == 0:
             command = self._controller.command(now)
+            subgoal = self._controller.inputs.subgoal
+            if command.mode is Mode.STUCK and subgoal is not None:
+                self._planner.note_stuck(subgoal, now)
             self._simulator.command(command.linear, command.angular)
+            self._asked = (command.linear, command.angular)
         if tick % SCORE_PERIOD == 0:
             entry = TruthEntry.of(truth)
             self.record.truth.append(entry)
@@ -194,6 +203,7 @@ class ClosedLoop:
         self._controller.set_odometry(
             tuple(self._pose), (float(sample.velocity[0]), float(sample.angular_velocity[2])),
             sample.time)
+        self._planner.note_motion(self._pose, *self._asked, sample.time)
 
     def _plan(self, now: float) -> None:
         """Plan on the newest maps, and hand region and subgoal to the controller."""

@@ -10,9 +10,10 @@ from types import FrameType
 from psane_mapping.errors import ParameterError
 from psane_planner.configuration import PlannerConfiguration
 from psane_sim.bag_summary import BAG, in_short
-from psane_sim.closed_loop import ClosedLoop, Settings
+from psane_sim.closed_loop import ClosedLoop
 from psane_sim.demo_options import Assignment, assignment_of, parse
 from psane_sim.errors import SimulationError
+from psane_sim.node_parameters import settings_of
 from psane_sim.picture import draw_run
 from psane_sim.progress import ProgressLine
 from psane_sim.run_record import RunRecord
@@ -61,13 +62,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _run_in_process(assignment: Assignment, options: argparse.Namespace,
                     line: ProgressLine) -> tuple[RunRecord, Outcome, Score]:
-    task, robot = assignment.task, assignment.robot
-    settings = Settings(
-        simulator=robot.simulator_configuration(gui=options.gui),
-        touch=robot.touch_configuration(), mapping=robot.mapping_configuration(),
-        robot=robot.model,
-        planner=PlannerConfiguration(strategy=task.strategy, slip_threshold=task.threshold))
-    loop = ClosedLoop(task, assignment.terrain, assignment.start_pose, settings)
+    loop = ClosedLoop(assignment.task, assignment.terrain, assignment.start_pose,
+                      settings_of(assignment, gui=options.gui))
     outcome, score = loop.run(line.show)
     return loop.record, outcome, score
 
@@ -80,7 +76,7 @@ def _run_on_graph(assignment: Assignment, options: argparse.Namespace,
     PlannerConfiguration(slip_threshold=assignment.task.threshold)
     graph = GraphRun(assignment, GraphSettings(out=options.out, pace=options.pace,
                                                gui=options.gui, record=options.record))
-    with live_view(options.view, options.out):
+    with live_view(options.view, options.out, options.robot):
         outcome, score = graph.run(line.show)
         line.close()
     return graph.record, outcome, score

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from psane_mapping.grid import FloatArray, Grid
+from psane_planner.compiled import compiled
 
 SAFE_SLIP = 0.5
 """Slip below which ground is called safe when terrains are made [-]."""
@@ -60,12 +61,25 @@ def choose_endpoints(slip: FloatArray, grid: Grid
 
 def _farthest(part: NDArray[np.bool_], seed: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return a cell of the part that is reached last when it is flooded from the seed."""
-    reached = np.zeros_like(part)
-    reached[tuple(seed)] = True
-    front = reached
-    while True:
-        grown = ndimage.binary_dilation(reached, mask=part)
-        new = grown & ~reached
-        if not new.any():
-            return np.argwhere(front)[0]
-        reached, front = grown, new
+    steps = _flood(part, int(seed[0]), int(seed[1]))
+    return np.argwhere(steps == steps.max())[0]
+
+
+@compiled
+def _flood(part: NDArray[np.bool_], row: int, column: int) -> NDArray[np.int64]:
+    """Return steps from edge to edge to each cell of the part, -1 where none lead."""
+    rows, columns = part.shape
+    steps = np.full((rows, columns), -1, np.int64)
+    queue = np.empty((rows * columns, 2), np.int64)
+    queue[0, 0], queue[0, 1] = row, column
+    steps[row, column] = 0
+    first, last = 0, 1
+    while first < last:
+        r, c = queue[first, 0], queue[first, 1]
+        first += 1
+        for i, j in ((r - 1, c), (r + 1, c), (r, c - 1), (r, c + 1)):
+            if 0 <= i < rows and 0 <= j < columns and part[i, j] and steps[i, j] < 0:
+                steps[i, j] = steps[r, c] + 1
+                queue[last, 0], queue[last, 1] = i, j
+                last += 1
+    return steps

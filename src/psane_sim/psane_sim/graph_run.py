@@ -19,6 +19,7 @@ from psane_sim.bag_summary import BAG
 from psane_sim.closed_loop import ENDINGS
 from psane_sim.demo_options import Assignment
 from psane_sim.errors import GraphError
+from psane_sim.node_parameters import listener_parameters, simulator_parameters
 from psane_sim.observer import Observer
 from psane_sim.processes import (
     Death,
@@ -125,25 +126,11 @@ class GraphRun:
         return [sys.executable, str(executable('psane_sim', 'record')), '--out', str(bag)]
 
     def _parameters(self, name: str) -> dict[str, object]:
-        task, settings = self._assignment.task, self._settings
-        robot = self._assignment.robot
-        if name == SIMULATOR:
-            x, y, yaw = self._assignment.start_pose
-            return {'terrain': task.terrain, 'use_start': True, 'start_x': x, 'start_y': y,
-                    'start_yaw': yaw, 'seed': task.seed, 'pace': settings.pace,
-                    'gui': settings.gui, 'truth_file': self._truth_file.resolve(),
-                    'awaited_listener': RECORDER if settings.record else "''",
-                    'strength_factor': robot.strength_factor, **robot.model_parameters,
-                    **robot.simulator}
-        parameters: dict[str, object] = {'use_sim_time': True}
-        if name == 'contact_sensor':
-            parameters.update(**robot.model_parameters, **robot.touch)
-        if name == 'terrain_mapper':
-            parameters.update(robot.mapping)
-        if name == 'safe_planner':
-            parameters.update(strategy=task.strategy, slip_threshold=task.threshold,
-                              explore=task.goal is None)
-        return parameters
+        settings = self._settings
+        if name != SIMULATOR:
+            return listener_parameters(self._assignment, name)
+        return {**simulator_parameters(self._assignment, settings.pace, self._truth_file),
+                'gui': settings.gui, 'awaited_listener': RECORDER if settings.record else "''"}
 
     def _follow(self, observer: Observer, processes: Processes,
                 show: Callable[[Progress], None]) -> tuple[Ending, str]:

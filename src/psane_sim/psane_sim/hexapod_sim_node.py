@@ -86,7 +86,8 @@ class HexapodSimNode(Node):
         return follower
 
     def _advertise(self) -> None:
-        self._clock_publisher = self.create_publisher(ClockMessage, '/clock', DEFAULT)
+        self._clock_publisher = (None if self._settings.follow_clock else
+                                 self.create_publisher(ClockMessage, '/clock', DEFAULT))
         self._odometry = self.create_publisher(Odometry, 'odom', ODOMETRY)
         self._joints = self.create_publisher(JointState, 'joint_states', SENSORS)
         self._wrenches = self.create_publisher(HipWrenches, 'hip_wrenches', SENSORS)
@@ -115,7 +116,7 @@ class HexapodSimNode(Node):
             any(info.node_name == listener
                 for info in self.get_subscriptions_info_by_topic(publisher.topic_name))
             for publisher in (self._clock_publisher, self._odometry, self._joints,
-                              self._wrenches, self._imu))
+                              self._wrenches, self._imu) if publisher is not None)
 
     def _advance(self) -> None:
         """Simulate one sensor period and publish what was measured at its end."""
@@ -123,7 +124,7 @@ class HexapodSimNode(Node):
         self._simulator.step(SENSOR_PERIOD)
         self._ticks += SENSOR_PERIOD
         truth = self._simulator.truth()
-        if not self._settings.follow_clock:
+        if self._clock_publisher is not None:
             self._clock_publisher.publish(ClockMessage(clock=stamp(truth.time)))
         self._publish(truth)
         if self._log is not None and self._ticks % TRUTH_PERIOD == 0:

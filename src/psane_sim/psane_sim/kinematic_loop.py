@@ -28,10 +28,10 @@ from psane_sim.simulated_touch import SimulatedTouch, SimulatedTouchConfiguratio
 from psane_sim.summary import Ending, Outcome, Task
 from psane_sim.terrain import Terrain
 
-TICK = 0.05
+TICK = 0.1
 """Period of motion, commands and scoring [s]."""
 
-PLAN_TICKS = 4
+PLAN_TICKS = 2
 """Ticks between plans."""
 
 ODOMETRY_DEVIATION = 0.005

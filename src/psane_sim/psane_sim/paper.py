@@ -39,6 +39,10 @@ HELP = "the paper's tasks and strategies: tables, figures and a report"
 GUESSES = {Robot.PHYSICS: 0.15, Robot.KINEMATIC: 0.02}
 """Work for each simulated second, before any trial was run [-]."""
 
+USUAL_SHARE = {True: {'psane_geodesic': 0.25, 'psane': 0.5, 'pgh': 0.8, 'sgh': 0.8, 'ngh': 0.25},
+               False: {'psane_geodesic': 0.8, 'sgh': 0.25, 'ngh': 0.01}}
+"""Share of the longest time that a trial with (True) or without a goal is expected to take [-]."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what can be asked for."""
@@ -121,7 +125,7 @@ def _run_missing(trials: Sequence[PaperTrial], shared: PaperSettings, folder: Tr
     missing = [trial for trial in trials if trial.name not in rows]
     if rows:
         print(f'{len(rows)} of {len(trials)} trials are there already', file=sys.stderr)
-    guesses = {_kind_of(trial): GUESSES[trial.robot] * trial.task.duration for trial in trials}
+    guesses = {_kind_of(trial): _guess(trial) for trial in trials}
     bar = WorkBar(WorkEstimate(guesses, [_kind_of(trial) for trial in missing]), options.workers)
     by_name = {trial.name: trial for trial in missing}
     for row, data in _results(missing, shared, options):
@@ -145,6 +149,12 @@ def _results(missing: Sequence[PaperTrial], shared: PaperSettings, options: argp
 
 def _given_up(trial: PaperTrial, shared: PaperSettings) -> tuple[Row, RunData | None]:
     return row_of(trial, shared, failed('its process died twice')), None
+
+
+def _guess(trial: PaperTrial) -> float:
+    """Return the work expected of a trial before any of its like was run [s]."""
+    share = USUAL_SHARE[trial.task.has_goal].get(trial.strategy, 1.0)
+    return GUESSES[trial.robot] * trial.task.duration * share
 
 
 def _kind_of(trial: PaperTrial) -> Kind:

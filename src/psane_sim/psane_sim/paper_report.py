@@ -29,6 +29,13 @@ from psane_sim.trial_folder import TrialFolder
 PIPELINE_TIME = 100.0
 """The pipeline picture shows the kept moment nearest to half the run, or to this time [s]."""
 
+PLANNER_SHOWN = ('slip_threshold', 'confidence_scale', 'certification', 'monotone',
+                 'expansion_rate', 'goal_decay', 'geodesic_goal_decay', 'border_width',
+                 'clearance', 'goal_tolerance')
+MAP_SHOWN = ('kernel', 'lengthscale', 'slip_prior_mean', 'slip_prior_deviation', 'slip_model',
+             'strength_method', 'resolution')
+"""Parameters that stand on the page; all of them are in each row."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Experiment:
@@ -93,8 +100,23 @@ class PaperReport:
         if self._ablations:
             sections.append(self._ablation_section())
         sections.append(Section('Every trial', _trial_list(list(self._rows.values()))))
+        sections.append(Section('What it was run with', self._setting()))
         page = html_report(self._experiment.title, sections)
         (self._out / 'report.html').write_text(page, encoding='utf-8')
+
+    def _setting(self) -> str:
+        """Return parameters that matter most, and versions, as Markdown."""
+        preset = PRESETS[self._experiment.preset]
+        named = [('planner', preset.planner, PLANNER_SHOWN), ('map', preset.mapping, MAP_SHOWN)]
+        lines = ['| parameter | value |', '|---|---|']
+        lines += [f'| {part}: `{name}` | {getattr(configuration, name)} |'
+                  for part, configuration, names in named for name in names]
+        versions = {tuple(sorted(row['versions'].items())) for row in self._rows.values()}
+        for version in sorted(versions):
+            lines += [f'| {name} | {value} |' for name, value in version]
+        work = sum(row['timing']['work_s'] for row in self._rows.values())
+        return '\n'.join([*lines, '', f'All trials together: {work / 60.0:.1f} minutes of work '
+                          'for one core. Every parameter of each trial is in its row.'])
 
     def _bars(self) -> Picture:
         path = self._out / 'bars.png'

@@ -27,6 +27,7 @@ from psane_planner.status import PlannerState
 from psane_sim.errors import GraphError
 from psane_sim.graph_run import LISTENERS, SILENCE, SIMULATOR, STARTING, score_truth
 from psane_sim.neighbours import taken_cells
+from psane_sim.node_parameters import listener_parameters, simulator_parameters
 from psane_sim.observer import FRAME, Observer, shared_map_arguments
 from psane_sim.patience import Patience
 from psane_sim.processes import (
@@ -112,24 +113,19 @@ class TeamRun:
 
     def _start_listeners(self, processes: Processes) -> None:
         topics = ','.join(f'{robot}/leg_contacts' for robot in self._robots)
-        self._start(processes, MAPPER, '', {'use_sim_time': True, 'contact_topics': topics})
+        first = self._members[0].assignment
+        self._start(processes, MAPPER, '', {**listener_parameters(first, MAPPER),
+                                            'contact_topics': topics})
         for robot, member in zip(self._robots, self._members, strict=True):
-            task = member.assignment.task
             for name in OWN:
-                parameters: dict[str, object] = {'use_sim_time': True}
-                if name == 'safe_planner':
-                    parameters.update(strategy=task.strategy, slip_threshold=task.threshold)
-                self._start(processes, name, robot, parameters)
+                self._start(processes, name, robot, listener_parameters(member.assignment, name))
 
     def _start_simulator(self, processes: Processes, index: int) -> None:
-        assignment = self._members[index].assignment
-        x, y, yaw = assignment.start_pose
         truth = self._truth_file(index)
         truth.unlink(missing_ok=True)
         self._start(processes, SIMULATOR, self._robots[index], {
-            'terrain': assignment.task.terrain, 'use_start': True, 'start_x': x, 'start_y': y,
-            'start_yaw': yaw, 'seed': assignment.task.seed, 'pace': self._pace,
-            'follow_clock': index > 0, 'truth_file': truth.resolve()})
+            **simulator_parameters(self._members[index].assignment, self._pace, truth),
+            'follow_clock': index > 0})
 
     def _start(self, processes: Processes, name: str, robot: str,
                parameters: dict[str, object]) -> None:

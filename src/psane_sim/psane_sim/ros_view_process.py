@@ -2,6 +2,8 @@
 """The live view beside a demo: a process of its own, which may fail without ending the run."""
 
 import contextlib
+import os
+import signal
 import sys
 import time
 from collections.abc import Iterator, Sequence
@@ -10,13 +12,14 @@ from pathlib import Path
 from psane_sim.processes import Processes, executable, use_private_graph
 
 NAME = 'viewer'
-STARTING = 30.0
-"""Longest time that the viewer is waited for [s]."""
+STARTING, WRITING = 30.0, 60.0
+"""Longest times that the viewer is waited for, until it serves and until its page is written
+[s]."""
 
 
 @contextlib.contextmanager
 def live_view(port: int | None, out: Path,
-              robot: str = 'x_rhex', robots: Sequence[str] = ('',)) -> Iterator[None]:
+              robot: str, robots: Sequence[str] = ('',)) -> Iterator[None]:
     """Serve the live view while the block runs, and leave `view.html` behind.
 
     Parameters
@@ -44,9 +47,19 @@ def live_view(port: int | None, out: Path,
         print(_first_words(processes, out / 'logs' / f'{NAME}.log'), flush=True)
         yield
     finally:
-        processes.stop()
+        _end(processes)
         if page.is_file():
             print(f'  recorded view         {page}')
+
+
+def _end(processes: Processes) -> None:
+    """Stop the viewer when it has written its page, or is given up."""
+    deadline = time.monotonic() + WRITING
+    if processes.death() is None:
+        os.kill(processes.identity(NAME), signal.SIGINT)
+    while processes.death() is None and time.monotonic() < deadline:
+        time.sleep(0.1)
+    processes.stop()
 
 
 def _first_words(processes: Processes, log: Path) -> str:

@@ -230,6 +230,9 @@ def serve(options: argparse.Namespace, model: RobotModel, arguments: list[str]) 
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
+        # Whoever asked for the end may ask again; the page is written first.
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)
         if export is not None:
             view.write(export)
             print(f'psane viewer: wrote {export}', flush=True)

@@ -4,7 +4,7 @@
 import multiprocessing
 import os
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TypeVar
@@ -52,9 +52,14 @@ class _Batch(Iterator[Result]):
     def __next__(self) -> Result:
         return next(self._made)
 
+    def close(self) -> None:
+        """Stop the workers; what is under way is given up."""
+        self._made.close()
+
     def _results(self, run: Callable[[Trial, Any], Result], queue: deque[Trial], shared: Any,
-                 workers: int) -> Iterator[Result]:
+                 workers: int) -> Generator[Result, None, None]:
         context = multiprocessing.get_context('spawn')
+        others = set(multiprocessing.active_children())
         pool = ProcessPoolExecutor(max_workers=workers, mp_context=context)
         under_way: dict[Future[Result], Trial] = {}
         try:
@@ -75,5 +80,8 @@ class _Batch(Iterator[Result]):
                     else:
                         yield future.result()
         finally:
-            # After an interrupt only the trials under way are waited for.
+            if under_way:
+                # After an interrupt nobody wants what they would still find out.
+                for worker in set(multiprocessing.active_children()) - others:
+                    worker.terminate()
             pool.shutdown(wait=False, cancel_futures=True)

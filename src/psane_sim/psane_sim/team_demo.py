@@ -6,11 +6,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from psane_planner.configuration import PlannerConfiguration
-from psane_sim.closed_loop import ClosedLoop, Settings
+from psane_sim.closed_loop import ClosedLoop
 from psane_sim.demo_options import Assignment, assignment_of
 from psane_sim.errors import TaskError
 from psane_sim.neighbours import least_distance
+from psane_sim.node_parameters import settings_of
 from psane_sim.picture import draw_run
 from psane_sim.progress import ProgressLine
 from psane_sim.summary import Ending, summarise, write_summary
@@ -32,6 +32,9 @@ def members_of(options: argparse.Namespace) -> list[Member]:
     TaskError
         When it is not said where the second one begins and goes, or a goal is missing.
     """
+    if options.record:
+        raise TaskError('--record: a bag of two robots is made by `psane run psane_sim record` '
+                        'beside the demo; leave it out')
     if options.explore:
         raise TaskError('--robots 2: each robot needs a goal; leave out --explore')
     places = options.second
@@ -61,9 +64,7 @@ def run_team(options: argparse.Namespace) -> int:
 
 def _in_process(members: list[Member], options: argparse.Namespace,
                 line: ProgressLine) -> tuple[list[MemberRun], MemberRun | None]:
-    task = members[0].assignment.task
-    settings = Settings(planner=PlannerConfiguration(strategy=task.strategy,
-                                                     slip_threshold=task.threshold))
+    settings = settings_of(members[0].assignment)
     together = TeamLoop(members, settings).run(line.show)
     if _is_over(together):
         return together, None
@@ -80,7 +81,7 @@ def _on_graph(members: list[Member], options: argparse.Namespace,
     from psane_sim.ros_team_run import TeamRun, namespace_of
     from psane_sim.ros_view_process import live_view
     robots = [namespace_of(index) for index in range(len(members))]
-    with live_view(options.view, options.out, robots=robots):
+    with live_view(options.view, options.out, options.robot, robots):
         together = TeamRun(members, options.out, options.pace).run(line.show)
         line.close()
     if _is_over(together):

@@ -5,8 +5,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from psane_sim.ladder import Stride
 
 
@@ -55,7 +53,7 @@ def centred(simulator: dict[str, float], tracking: Sequence[Tracking]) -> dict[s
             ('backward', 'turn', ('backward_turn_per_sweep',)),
             ('spot', 'turn', ('spot_turn_per_sweep',))):
         if kind in by_kind:
-            low, high = (max(0.1, 1.0 + value) for value in getattr(by_kind[kind], ratios))
+            low, high = getattr(by_kind[kind], ratios)
             for name in names:
-                found[name] *= float(np.sqrt(low * high))
+                found[name] *= max(0.1, 1.0 + 0.5 * (low + high))
     return found
