@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recorded runs told again to the real nodes, and how what they say now differs."""
 
+import os
 from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +20,8 @@ from psane_sim.ros_message_types import class_of
 from psane_sim.ros_quality import replaying
 
 BAGS = Path(__file__).resolve().parent / 'data' / 'bags'
+SECONDS = float(os.environ.get('PSANE_BAG_SECONDS', 'inf'))
+"""How much of a bag is told [s]."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +92,8 @@ class Replayed:
 def replayed(name, logs):
     """Tell the nodes what a bag says that they were told."""
     with BagFile(BAGS / name) as bag:
-        messages = list(bag.messages())
+        messages = [message for message in bag.messages()
+                    if message.time <= 1e9 * SECONDS + MILLISECOND]
         topics = {topic.name: topic for topic in bag.topics}
     graph = LockstepGraph(logs, {topic: replaying(topics[topic]) for topic in INPUTS})
     try:

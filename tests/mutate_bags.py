@@ -20,7 +20,8 @@ from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ('psane_mapping', 'psane_planner', 'psane_reactive', 'psane_sim')
-TEST, BAG = 'tests/test_bag_integration.py', 'env1'
+TEST, BAG, SECONDS = 'tests/test_bag_integration.py', 'env1', 8.0
+"""What is run on each mutant: the first seconds of one bag will do."""
 
 
 class Mutant(NamedTuple):
@@ -83,17 +84,19 @@ def tests_pass(folder: Path) -> tuple[bool, str]:
     """
     paths = [str(folder / 'src' / package) for package in PACKAGES]
     environment = {**os.environ, 'NUMBA_CACHE_DIR': str(folder / 'numba'),
+                   'PSANE_BAG_SECONDS': str(SECONDS),
                    'PYTHONPATH': os.pathsep.join([*paths, os.environ.get('PYTHONPATH', '')])}
     done = subprocess.run(
         [sys.executable, '-m', 'pytest', '-n', '0', '-q', '-x', '-p', 'no:cacheprovider', TEST,
          '-k', BAG], cwd=folder, env=environment, capture_output=True, text=True, check=False)
     if done.returncode == 0:
         return True, ''
-    found = re.search(r'^(?:FAILED|ERROR) \S*?::(\w+)(?:.*? - (.*))?$', done.stdout, re.M)
+    shown = [line[1:].strip() for line in done.stdout.splitlines() if 'GraphError: ' in line]
+    found = re.search(r'^(?:FAILED|ERROR) \S*?::(\w+)', done.stdout, re.M)
     if found is None:
         raise RuntimeError(f'the tests did not run:\n{done.stdout[-2000:]}{done.stderr[-2000:]}')
     words = found[1].removeprefix('test_').replace('_', ' ')
-    return False, f'{words}: {found[2]}' if 'GraphError' in (found[2] or '') else words
+    return False, shown[-1].split('GraphError: ')[1] if shown else words
 
 
 def main() -> None:

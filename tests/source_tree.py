@@ -75,7 +75,8 @@ def text_files() -> list[Path]:
     found = {path for folder in ('src', 'tests', 'cmake', 'setup', 'docker', 'examples')
              for kind in kinds for path in (ROOT / folder).rglob(kind)}
     named = {ROOT / name for name in ('psane', '.ci/run', 'pyproject.toml', 'docker/Dockerfile')}
-    return sorted(path for path in found | named if '.egg-info' not in str(path))
+    return sorted(path for path in found | named
+                  if '.egg-info' not in str(path) and ROOT / 'tests' / 'data' not in path.parents)
 
 
 def project_settings() -> dict[str, dict[str, object]]:

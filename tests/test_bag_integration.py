@@ -54,7 +54,7 @@ def test_every_contact_says_of_the_ground_what_it_said(run):
 def test_the_maps_are_the_recorded_maps(run, topic):
     _, replay = run
     pairs = list(zip(replay.now.cells(topic), replay.recorded.cells(topic), strict=True))
-    assert sum(then is not None for _, then in pairs) > 50
+    assert sum(then is not None for _, then in pairs) > 30
     for now, then in pairs:
         assert (now is None) == (then is None)
         if then is None:
@@ -77,7 +77,7 @@ def test_the_subgoals_are_the_recorded_subgoals(run):
     _, replay = run
     now, then = replay.now.subgoals(), replay.recorded.subgoals()
     chosen = np.isfinite(then[:, 0])
-    assert len({tuple(point) for point in then[chosen]}) >= 4
+    assert len({tuple(point) for point in then[chosen]}) >= 3
     assert np.mean(np.isfinite(now[:, 0]) != chosen) <= PLANS_OFF
     both = chosen & np.isfinite(now[:, 0])
     distance = np.hypot(*(now[both] - then[both]).T)
@@ -88,7 +88,7 @@ def test_the_planner_is_in_the_recorded_states(run):
     _, replay = run
     pairs = list(zip(replay.now.all('/planner_status'), replay.recorded.all('/planner_status'),
                      strict=True))
-    assert len(pairs) > 50
+    assert len(pairs) > 30
     assert np.mean([(now.state, now.march, now.has_subgoal, now.subgoal_is_goal)
                     != (then.state, then.march, then.has_subgoal, then.subgoal_is_goal)
                     for now, then in pairs]) <= PLANS_OFF
