@@ -19,7 +19,9 @@ ROS_FILES = (
 )
 
 # What a user starts: core itself, but it hands over to files that know ROS.
-ENTRY_SCRIPTS = ('psane_sim/demo.py', 'psane_sim/bench.py', 'psane_sim/check.py')
+ENTRY_SCRIPTS = ('psane_sim/demo.py', 'psane_sim/bench.py', 'psane_sim/check.py',
+                 'psane_sim/record.py', 'psane_sim/record_test_bags.py', 'psane_sim/replay.py',
+                 'psane_sim/viewer.py', 'psane_sim/team_demo.py')
 
 
 def modules_of(package: str) -> list[Path]:

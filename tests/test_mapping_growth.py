@@ -13,6 +13,7 @@ from psane_mapping.configuration import MappingConfiguration
 from psane_mapping.errors import ParameterError
 from psane_mapping.mapper import TerrainMapper, TerrainSample
 from psane_mapping.prior_map import PriorMap
+from psane_mapping.recent_stances import KEPT, RecentStances
 from psane_mapping.strength import Reason
 
 GROWING = MappingConfiguration(grow=True, max_x=1.0, max_y=1.0, largest_extent=50.0)
@@ -113,14 +114,33 @@ def test_the_order_of_contacts_matters_only_through_the_slope_and_little():
     assert (difference <= 0.5 * one.maps().slip_std).all()
 
 
-def test_duplicate_stamps_and_the_same_contact_again_do_no_harm():
+def test_duplicate_stamps_do_no_harm():
     mapper = TerrainMapper(MappingConfiguration())
-    for _ in range(300):
-        mapper.add(stance(0.4, 0.06, time=1.0))
+    for leg in range(300):
+        mapper.add(stance(0.4, 0.06, time=1.0, leg=leg))
     maps = mapper.maps()
     assert mapper.accepted == 300 and maps.time == 1.0
     assert np.isfinite(maps.slip_mean).all() and math.isfinite(maps.slip_std.sum())
     assert maps.slip_std.min() >= mapper.config.common_deviation
+
+
+def test_the_same_stance_again_is_counted_and_tells_nothing_new():
+    once, again = TerrainMapper(MappingConfiguration()), TerrainMapper(MappingConfiguration())
+    once.add(stance(0.4, 0.06))
+    for _ in range(5):
+        outcome = again.add(stance(0.4, 0.06))
+    assert outcome.reason is Reason.DUPLICATE and again.rejected[Reason.DUPLICATE] == 4
+    assert np.array_equal(once.maps().slip_std, again.maps().slip_std)
+    again.reset()
+    assert isinstance(again.add(stance(0.4, 0.06)), TerrainSample)
+
+
+def test_a_stance_is_remembered_for_long_but_not_for_ever():
+    recent = RecentStances()
+    for number in range(KEPT + 1):
+        recent.add(stance(time=float(number)))
+    assert recent.holds(stance(time=1.0)) and recent.holds(stance(time=float(KEPT)))
+    assert not recent.holds(stance(time=0.0))
 
 
 @pytest.mark.parametrize('text, topics', [

@@ -149,7 +149,8 @@ def test_an_uncertain_point_is_believed_less_on_a_slope_and_as_much_on_the_level
 def test_position_noise_can_be_switched_off():
     mapper = TerrainMapper(MappingConfiguration(use_position_noise=False))
     mapper.add(stance(0.06, 0.1, point=(4.8, 5.0)))
-    one, other = (mapper.add(stance(0.2, 0.1, point_deviation=d)) for d in (0.0, 0.5))
+    one, other = (mapper.add(stance(0.2, 0.1, point_deviation=d, leg=k))
+                  for k, d in enumerate((0.0, 0.5)))
     assert one.slip_deviation == other.slip_deviation
 
 

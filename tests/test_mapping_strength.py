@@ -119,6 +119,21 @@ def test_without_velocity_only_the_vertical_channel_counts():
             == estimate_strength(contact, CONFIG))
 
 
+@pytest.mark.parametrize('share', [0.75, 1.25])
+def test_forces_that_contradict_each_other_widen_the_deviation(share):
+    agreeing = stance(0.4, 0.08)
+    tilted = agreeing.measured.copy()
+    tilted[:, 0] *= share
+    plain, wider = (estimate_strength(contact, CONFIG) for contact in (
+        agreeing, changed(agreeing, measured=tilted)))
+    assert plain.disagreement_deviation < 0.02
+    expected = CONFIG.disagreement_share * abs(np.log(share))
+    assert wider.disagreement_deviation == pytest.approx(expected, rel=0.25)
+    assert wider.log_deviation > plain.log_deviation
+    alone = estimate_strength(changed(agreeing, measured=tilted, has_velocity=False), CONFIG)
+    assert alone.disagreement_deviation == 0.0
+
+
 def rejected_stances():
     good = stance(0.4, 0.06)
     rng = np.random.default_rng(0)

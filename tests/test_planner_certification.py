@@ -237,8 +237,9 @@ def test_the_distance_outside_is_to_the_square_and_not_to_its_centre():
     assert none.outside_distance == math.inf and not none.mask.any()
 
 
-def test_each_strategy_of_the_configuration_exists_and_no_other():
-    assert set(STRATEGIES) == set(AVAILABLE)
+def test_every_file_of_a_strategy_is_found_by_its_name_and_no_other():
+    assert {'psane_geodesic', 'psane', 'pgh', 'sgh', 'ngh'} == set(STRATEGIES)
+    assert all(kind.__module__.endswith(f'.{name}') for name, kind in AVAILABLE.items())
     with pytest.raises(StrategyError, match="unknown strategy 'fast'"):
         make_strategy('fast')
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Calibration: what it fits, what it writes, and that the shipped files are current."""
 
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,15 @@ from psane_mapping.errors import ParameterError
 from psane_mapping.parameters import from_mapping
 from psane_mapping.propagation import slip_model_of
 from psane_mapping.slip import CalibratedSlipCurve
-from psane_sim.calibrate import Walk, plan, reference_speed, rotary_walking, strength_scale
+from psane_sim.calibrate import (
+    BACKWARD,
+    Walk,
+    is_usual,
+    plan,
+    reference_speed,
+    rotary_walking,
+    strength_scale,
+)
 from psane_sim.calibration import (
     Calibration,
     SweepResponse,
@@ -23,8 +32,9 @@ from psane_sim.calibration import (
     read_calibration,
 )
 from psane_sim.configuration import SimulatorConfiguration
-from psane_sim.ladder import REFERENCE
+from psane_sim.ladder import REFERENCE, Stride
 from psane_sim.robots import RobotFileError, read_robot, robot_names
+from psane_sim.twist_tracking import centred, tracking_of
 
 SHIPPED = Path(psane_sim.__file__).parent / 'data' / 'calibration'
 STRENGTH = np.geomspace(0.03, 3.0, 11)
@@ -48,15 +58,17 @@ def test_the_feed_forward_is_found_again():
     generator = np.random.default_rng(1)
 
     def forward(mean, half):
-        push = true.speed_per_turn * abs(half) * max(0.0, 1.0 - mean / 1.2)
+        push = true.speed_per_turn * abs(half) * max(0.0, 1.0 - mean / 1.4)
         return SweepResponse(mean - half, mean + half, 0.75 * (true.speed_per_sweep * mean + push),
-                             0.75 * (true.turn_per_sweep + true.turn_gain * mean) * half)
+                             0.75 * (true.turn_per_sweep + true.turn_gain * mean)
+                             * half**true.turn_exponent)
 
     found = fit_feed_forward(
         [forward(mean, half) for mean, half in generator.uniform(0.1, 1.2, (20, 2))],
         [SweepResponse(-m, -m, -0.75 * true.backward_speed_per_sweep * m, 0.0)
          for m in (0.3, 0.8)],
-        [SweepResponse(-h, h, 0.0, 0.75 * true.spot_turn_per_sweep * h) for h in (0.3, -0.8)],
+        [SweepResponse(-h, h, 0.0, 0.75 * true.spot_turn_per_sweep * np.sign(h)
+                       * abs(h)**true.spot_turn_exponent) for h in (0.3, -0.8)],
         0.75)
     for name, value in found.items():
         if name != 'backward_turn_per_sweep':
@@ -96,6 +108,34 @@ def test_the_shipped_slip_curve_is_what_the_robot_does_now():
         assert slip == pytest.approx(REFERENCE[strength][0], abs=0.05)
 
 
+def stride(linear, angular):
+    return Stride(1.0, linear, angular, 0.0, 0.0, 0.0)
+
+
+def test_a_centred_feed_forward_misses_as_far_above_as_below():
+    walks = {Walk('twist', 'x_rhex', strength, *twist, 4): stride(*(factor * value
+                                                                   for value in twist))
+             for strength, factor in ((0.3, 0.9), (3.0, 1.3))
+             for twist in ((0.2, 0.0), (0.2, 0.1), (-0.1, 0.05), (0.0, 0.3))}
+    tracking = tracking_of(walks)
+    assert {entry.kind for entry in tracking} == {'forward', 'backward', 'spot'}
+    for entry in tracking:
+        assert entry.turn == pytest.approx((-0.1, 0.3))
+    plain = {entry.name: 1.0 for entry in fields(SimulatorConfiguration)
+             if '_per_' in entry.name or entry.name == 'turn_gain'}
+    found = centred(plain, tracking)
+    assert all(value == pytest.approx(1.1) for value in found.values())
+
+
+def test_the_shipped_feed_forward_is_followed_on_firm_ground():
+    _, simulator = read_calibration(SHIPPED / 'x_rhex.yaml')
+    for twist in ((0.22, 0.0), (0.22, 0.1), (-0.15, 0.0), (0.0, 0.2)):
+        for strength in (0.3, 3.0):
+            walk = Walk('twist', 'x_rhex', strength, *twist, 4, gait=tuple(simulator.items()))
+            (tracking,) = tracking_of({walk: walk.run()})
+            assert np.abs((tracking.speed, tracking.turn)).max() <= 0.16
+
+
 def test_a_calibration_is_read_as_it_was_written(tmp_path):
     curve = CalibratedSlipCurve()
     written = Calibration(mapper_parameters(curve), {'speed_per_sweep': 0.3}, 0.318, 0.01)
@@ -111,6 +151,7 @@ def test_a_heavier_robot_on_smaller_feet_needs_firmer_ground():
     assert strength_scale(read_robot('x_rhex').model) == 1.0
     assert 3.0 < strength_scale(sandbot.model) < 8.0
     strengths = {walk.strength for walk in plan('sandbot', 4) if walk.purpose == 'slip'}
+    assert all(is_usual(sweep, 1.9) for sweep in BACKWARD)
     assert max(strengths) == pytest.approx(3.0 * strength_scale(sandbot.model))
     assert rotary_walking(sandbot).mass == pytest.approx(2.3)
 

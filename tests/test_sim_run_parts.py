@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from psane_mapping.grid import Grid
 from psane_sim.catalogue import load_terrain
+from psane_sim.feed_forward import Sweep
 from psane_sim.instant import LONGEST_WAIT, InstantCollector
 from psane_sim.pacing import LARGEST_BURST, Pacer
 from psane_sim.progress import Progress, ProgressLine
@@ -83,7 +84,8 @@ def test_an_instant_that_stays_incomplete_is_given_up_and_counted():
 
 def entry(time, x=2.0, feet=None):
     feet = np.full((6, 2), np.nan) if feet is None else feet
-    return TruthEntry(time=time, pose=np.array([x, 5.0, 0.1]), speed=0.2, feet=feet)
+    return TruthEntry(time=time, pose=np.array([x, 5.0, 0.1]), speed=0.2, feet=feet,
+                      sweep=Sweep(0.5, -0.25, 1.0, -1.0))
 
 
 def test_a_truth_log_comes_back_and_a_torn_last_line_is_left_out(tmp_path):
@@ -97,6 +99,7 @@ def test_a_truth_log_comes_back_and_a_torn_last_line_is_left_out(tmp_path):
     back = read_truth(path)
     assert [part.time for part in back] == [0.05, 0.1]
     assert back[1].pose[0] == 2.5
+    assert back[1].sweep == entry(0.1).sweep
     assert len(back[0].grounded_feet) == 0
 
 

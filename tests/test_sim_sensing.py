@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from psane_sim.configuration import SimulatorConfiguration
+from psane_sim.feed_forward import Sweep
 from psane_sim.sensing import Sensors
 from psane_sim.truth import Truth
 
@@ -25,7 +26,8 @@ def truth():
         joint_angle=np.linspace(-1.0, 1.0, 6), joint_speed=np.linspace(0.0, 5.0, 6),
         joint_torque=np.full(6, 2.0), hip_force=np.tile([10.0, 0.0, 30.0], (6, 1)),
         hip_moment=np.tile([0.0, -2.0, 0.0], (6, 1)), foot_force=np.zeros((6, 3)),
-        foot=np.zeros((6, 3)), foot_depth=np.zeros(6), belly_depth=-0.1, belly_force=np.zeros(3))
+        foot=np.zeros((6, 3)), foot_depth=np.zeros(6), belly_depth=-0.1, belly_force=np.zeros(3),
+        sweep=Sweep(0.0, 0.0))
 
 
 def test_without_noise_every_sample_is_exact_and_in_its_frame():

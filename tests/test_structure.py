@@ -34,13 +34,14 @@ SHAPELESS_NAMES = {'utils', 'util', 'helpers', 'helper', 'common', 'core', 'misc
 # Name of an import -> rosdep key of what brings it, where the two differ.
 ROSDEP_KEYS = {
     'contourpy': 'python3-matplotlib', 'cv2': 'python3-opencv',
-    'matplotlib': 'python3-matplotlib', 'numba': 'python3-numba',
+    'matplotlib': 'python3-matplotlib', 'PIL': 'python3-pil', 'numba': 'python3-numba',
     'numpy': 'python3-numpy', 'pybullet': 'python3-pybullet-pip', 'scipy': 'python3-scipy',
     'pybullet_data': 'python3-pybullet-pip', 'shapely': 'python3-shapely',
     'sklearn': 'python3-sklearn', 'yaml': 'python3-yaml',
 }
 # Looked for at run time, done without where missing.
-OPTIONAL_IMPORTS = {'GPy', 'distributed', 'gpytorch', 'rasterio', 'tf2_msgs', 'tf2_ros', 'torch'}
+OPTIONAL_IMPORTS = {'GPy', 'distributed', 'gpytorch', 'mcap', 'rasterio', 'rosbags', 'tf2_msgs',
+                    'tf2_ros', 'torch', 'viser'}
 
 
 def manifest(package):

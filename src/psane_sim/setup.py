@@ -36,6 +36,10 @@ setup(
             'calibrate = psane_sim.calibrate:main',
             'soil_figures = psane_sim.soil_figures:main',
             'check = psane_sim.check:main',
+            'record = psane_sim.record:main',
+            'replay = psane_sim.replay:main',
+            'viewer = psane_sim.viewer:main',
+            'record_test_bags = psane_sim.record_test_bags:main',
         ],
     },
 )

@@ -56,8 +56,11 @@ class MappingConfiguration(Configuration):
         1.4, 'power of depth with which the force of a leg grows (1.5 for a shallow arc, 1.1 for '
         'one sunk to its hip)', low=0.5, high=3.0)
     model_deviation: float = parameter(
-        0.035, 'standard deviation of log-strength in deep, quiet stances (for ground that is not '
+        0.025, 'standard deviation of log-strength in deep, quiet stances (for ground that is not '
         'as the model says, see touch_report)', low=0.0, high=1.0)
+    disagreement_share: float = parameter(
+        0.3, 'share of the contradiction of forward and vertical force that counts as deviation',
+        low=0.0, high=2.0)
     fit_model_deviation: float = parameter(
         0.45, 'the same for the linear fit, whose stiffness is not one number', low=0.0, high=3.0)
     fit_stiffness: float = parameter(

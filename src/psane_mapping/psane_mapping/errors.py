@@ -29,3 +29,7 @@ class MessageError(MappingError, ValueError):
 
 class MapFileError(MappingError):
     """A file of samples cannot be read or written, or its name is not one."""
+
+
+class BagError(MappingError):
+    """A bag cannot be read or written, or what it takes is not installed."""

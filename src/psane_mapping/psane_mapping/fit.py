@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fit the map's hyperparameters to a mission: `psane run psane_mapping fit JOURNAL_OR_CSV`."""
+"""Fit the map's hyperparameters to a mission: `psane run psane_mapping fit JOURNAL_OR_BAG`."""
 
 import argparse
 import sys
@@ -110,7 +110,8 @@ def parser() -> argparse.ArgumentParser:
     """Return what the command understands."""
     config = MappingConfiguration()
     made = argparse.ArgumentParser(prog='fit', description=__doc__)
-    made.add_argument('samples', type=Path, help=f'a file that ends in one of {sorted(READERS)}')
+    made.add_argument('samples', type=Path, help='the folder of a bag, or a file that ends in '
+                      f'one of {sorted(READERS)}')
     made.add_argument('--out', type=Path, help='YAML to write (default: none)')
     made.add_argument('--table', type=Path, help='write the samples as CSV, too')
     made.add_argument('--kernel', choices=sorted(KERNELS), default=config.kernel)

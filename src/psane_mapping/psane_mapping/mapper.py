@@ -16,6 +16,7 @@ from psane_mapping.innovations import InnovationMonitor
 from psane_mapping.kernels import kernel_named
 from psane_mapping.prior_map import PriorMap
 from psane_mapping.propagation import propagate, slip_model_of
+from psane_mapping.recent_stances import RecentStances
 from psane_mapping.sample import TerrainSample
 from psane_mapping.slip import SlipModel
 from psane_mapping.strength import Reason, Rejection, estimate_strength
@@ -85,6 +86,7 @@ class TerrainMapper:
         self._latest = math.nan
         self.accepted = 0
         self.rejected: Counter[Reason] = Counter()
+        self._recent = RecentStances()
         self.slip_innovations = InnovationMonitor(config.innovation_window)
         self.log_strength_innovations = InnovationMonitor(config.innovation_window)
 
@@ -94,7 +96,13 @@ class TerrainMapper:
         return self._slip.grid
 
     def add(self, contact: LegContact) -> TerrainSample | Rejection:
-        """Take in one stance; return what it said, or why it was not used."""
+        """Take in one stance; return what it said, or why it was not used.
+
+        A stance that comes again (from a replayed bag, over two bridges) counts once.
+        """
+        if self._recent.holds(contact):
+            self.rejected[Reason.DUPLICATE] += 1
+            return Rejection(reason=Reason.DUPLICATE, value=contact.lift_off)
         try:
             outcome = self._sample(contact)
         except (ArithmeticError, ShapeError):
@@ -104,6 +112,7 @@ class TerrainMapper:
             self.rejected[outcome.reason] += 1
             return outcome
         self.take(outcome)
+        self._recent.add(contact)
         return outcome
 
     def take(self, sample: TerrainSample) -> bool:
@@ -163,6 +172,7 @@ class TerrainMapper:
         self._latest = math.nan
         self.accepted = 0
         self.rejected.clear()
+        self._recent.clear()
         self.slip_innovations.clear()
         self.log_strength_innovations.clear()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the samples of a mission come from: a journal, a saved map or a table.
+"""Where the samples of a mission come from: a journal, a saved map, a table or a bag.
 
 A further kind of file is one more function in `READERS`.
 """
@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from psane_mapping.bag_source import read_bag
 from psane_mapping.errors import MapFileError, MappingError
 from psane_mapping.sample import TerrainSample
 from psane_mapping.sample_file import read
@@ -19,14 +20,16 @@ COLUMNS = ('time', 'x', 'y', 'leg', 'strength', 'log_strength_deviation', 'slip'
 
 
 def read_samples(path: Path) -> list[TerrainSample]:
-    """Return the samples of a file, of the kind that its name ends in.
+    """Return the samples of a file, of the kind that its name ends in; a folder is a bag.
 
     Raises
     ------
     MapFileError
         For an unknown kind, or a file that cannot be read.
+    BagError
+        For a bag that cannot be read.
     """
-    reader = READERS.get(path.suffix)
+    reader = read_bag if path.is_dir() else READERS.get(path.suffix)
     if reader is None:
         raise MapFileError(f"cannot read '{path}'; expected a name that ends in one of "
                            f'{sorted(READERS)}')
@@ -80,5 +83,5 @@ def _read_records(path: Path) -> list[TerrainSample]:
 
 
 READERS: dict[str, Callable[[Path], list[TerrainSample]]] = {
-    '.csv': _read_table, '.psane': _read_records, '.map': _read_records}
+    '.csv': _read_table, '.psane': _read_records, '.map': _read_records, '.mcap': read_bag}
 """How a file is read, by the end of its name."""

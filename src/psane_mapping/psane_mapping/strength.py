@@ -5,13 +5,17 @@ Notes
 -----
 The stress of granular ground is proportional to its strength (resistive force theory: Li, Zhang,
 Goldman 2013), so that the slope of the measured force on the force predicted for strength 1 is the
-strength. Three errors are told apart in the result's deviation:
+strength. Four errors are told apart in the result's deviation:
 
 - *scatter*: the residuals' own, for the number of samples that are really independent (samples
   a few milliseconds apart are not);
 - *height*: if the foot is `b` deeper than believed, the force at depth `d` is larger by about
   ``exponent * b / d``, and every sample of a stance shares `b`. This dominates shallow stances;
-- *model*: what remains in deep, quiet stances (attitude, gains, shape of the force law).
+- *disagreement*: the forward and the vertical force each tell a strength of their own. Where
+  they contradict each other by more than their scatter, the ground is not as the force law says,
+  and a share of the contradiction is how far off the result may be;
+- *model*: what remains in deep, quiet stances (attitude, gains, shape of the force law), and what
+  no stance can show of the ground (stress that does not grow in proportion to depth).
 """
 
 import enum
@@ -41,6 +45,7 @@ class Reason(enum.Enum):
     POOR_FIT = 'the force does not follow the predicted one'
     IMPLAUSIBLE = 'stronger or weaker than any ground'
     OUTSIDE_MAP = 'felt outside the map'
+    DUPLICATE = 'came before'
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,8 +60,9 @@ class StrengthEstimate:
         Standard deviation of its natural logarithm [-].
     r_squared : float
         Share of the weighted square of the measurement that the regression explains [-].
-    scatter_deviation, height_deviation : float
-        The parts of `log_deviation` from residuals and from the height's bias [-].
+    scatter_deviation, height_deviation, disagreement_deviation : float
+        The parts of `log_deviation` from residuals, from the height's bias and from forces that
+        contradict each other [-].
     samples : int
         Samples that were used [count].
     """
@@ -67,6 +73,7 @@ class StrengthEstimate:
     scatter_deviation: float
     height_deviation: float
     samples: int
+    disagreement_deviation: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,7 +130,7 @@ def _stiffness_channel(contact: LegContact, below: NDArray[np.bool_],
 
     That stiffness is not the same at every depth, so that one constant fits only on average: over
     strengths 0.05 to 3 of the simulated hexapod the log-strength is off by 0.5 RMSE (the
-    regression on the predicted force: 0.16), and most stances fail the fit's R^2.
+    regression on the predicted force: 0.05), and most stances fail the fit's R^2.
     """
     predictor = config.fit_stiffness * contact.depth[below][:, None]
     return (predictor, contact.measured[below][:, 1:2],
@@ -148,10 +155,13 @@ def _regress(predictor: FloatArray, measured: FloatArray, deviation: FloatArray,
     floored = np.maximum(depth, config.least_depth)[:, None]
     sensitivity = beliefs.depth_exponent * float((leverage / floored).sum() / leverage.sum())
     height = sensitivity * beliefs.height_bias_deviation
-    variance = scatter**2 + height**2 + beliefs.model_deviation**2
+    disagreement = config.disagreement_share * _disagreement(predictor / deviation,
+                                                             measured / deviation)
+    variance = scatter**2 + height**2 + disagreement**2 + beliefs.model_deviation**2
     return StrengthEstimate(strength=slope, log_deviation=math.sqrt(variance),
                             r_squared=r_squared, scatter_deviation=scatter,
-                            height_deviation=height, samples=depth.size)
+                            height_deviation=height, samples=depth.size,
+                            disagreement_deviation=disagreement)
 
 
 def _robust_slope(predictor: FloatArray, measured: FloatArray
@@ -168,6 +178,23 @@ def _robust_slope(predictor: FloatArray, measured: FloatArray
         scale = max(_LEAST_SCALE, 1.4826 * float(np.median(np.abs(residual))))
         weights = np.minimum(1.0, _HUBER * scale / np.maximum(np.abs(residual), 1e-12))
     return slope, weights, residual
+
+
+def _disagreement(predictor: FloatArray, measured: FloatArray) -> float:
+    """Return by how much more than by chance the first two channels' log-strengths differ."""
+    if predictor.shape[1] < 2:
+        return 0.0
+    logs, variance = [], 0.0
+    for channel in ([0], [1]):
+        x, y = predictor[:, channel], measured[:, channel]
+        if not (x**2).sum() > 0.0:
+            return 0.0
+        slope, weights, residual = _robust_slope(x, y)
+        if slope <= 0.0:
+            return 0.0
+        logs.append(math.log(slope))
+        variance += (_scatter(residual, weights, weights * x**2) / slope) ** 2
+    return math.sqrt(max(0.0, (logs[0] - logs[1]) ** 2 - variance))
 
 
 def _scatter(residual: FloatArray, weights: FloatArray, leverage: FloatArray) -> float:

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 from psane_mapping.errors import ParameterError
 from psane_mapping.parameters import Configuration, parameter
+from psane_planner.strategies import AVAILABLE
 
 CERTIFICATIONS = ('bound', 'lipschitz')
-STRATEGIES = ('psane_geodesic', 'psane', 'pgh', 'sgh', 'ngh')
+STRATEGIES = tuple(AVAILABLE)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,12 +4,14 @@
 import array
 
 import numpy as np
+from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import Point
 from numpy.typing import NDArray
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.polygon import LinearRing, orient
 
-from psane_mapping.conversions import header
+from psane_mapping.conversions import header, require_finite
+from psane_mapping.errors import MessageError
 from psane_mapping.grid import FloatArray
 from psane_msgs.msg import FrontierArray, PlannerStatus, RegionPolygon, Ring, SafeRegion
 from psane_planner.status import Plan
@@ -84,6 +86,26 @@ def status_message(plan: Plan, time: float, frame: str) -> PlannerStatus:
         frontier_count=plan.frontier_count, subgoal_count=plan.subgoal_count,
         interval_resets=plan.total_interval_resets, march=plan.march,
         has_subgoal=plan.subgoal is not None, subgoal_is_goal=plan.subgoal_is_goal)
+
+
+def stuck_at_of(message: DiagnosticStatus) -> FloatArray | None:
+    """Return the subgoal (2,) [m] at which the steering says that it is stuck, else None.
+
+    Raises
+    ------
+    MessageError
+        When it is stuck and does not say where.
+    """
+    values = {pair.key: pair.value for pair in message.values}
+    if values.get('mode') != 'stuck':
+        return None
+    try:
+        x, y = float(values['subgoal_x']), float(values['subgoal_y'])
+    except (KeyError, ValueError) as error:
+        raise MessageError('the steering is stuck, and its subgoal is no pair of numbers'
+                           ) from error
+    require_finite('subgoal', x, y)
+    return np.array((x, y))
 
 
 def is_other_point(before: FloatArray | None, now: FloatArray | None) -> bool:

@@ -29,6 +29,8 @@ _AREA_STEP = 0.1
 # Share of the goal tolerance by which the point steered to may miss the goal; the rest is for
 # the controller's own.
 _GOAL_SHARE = 0.5
+# A place that comes back from the steering is the same one up to rounding [m].
+_SAME_SUBGOAL = 0.01
 
 
 class Mission:
@@ -184,6 +186,17 @@ class Mission:
         away = float(np.hypot(*(self._subgoal - scene.position)))
         if self._approach.time_without(-away, scene.now) > self._configuration.approach_time:
             self._memory.set_aside(focus, scene.now)
+
+    def give_up(self, subgoal: FloatArray, now: float) -> bool:
+        """Set a subgoal (2,) [m] aside that the robot cannot get to; return whether it is sought.
+
+        The goal itself is never set aside.
+        """
+        if (self._subgoal is None or self._focus is None
+                or np.hypot(*(self._subgoal - subgoal)) > _SAME_SUBGOAL):
+            return False
+        self._memory.set_aside(self._focus, now)
+        return True
 
     def _with_patience(self, scene: Scene, decision: Decision) -> Decision:
         """Report a search that goes on without winning ground."""

@@ -135,6 +135,15 @@ class SafePlanner:
         felt = float(self._felt[row, column]) if is_known and self._felt is not None else math.nan
         self.strides.note(now, pose, linear, angular, felt)
 
+    def note_stuck(self, subgoal: FloatArray, now: float) -> bool:
+        """Take note that the steering gets nowhere on its way to a subgoal (2,) [m].
+
+        Returns
+        -------
+        Whether that is a frontier that is sought now; it rests for a while.
+        """
+        return self._mission.give_up(subgoal, now)
+
     def update(self, slip_mean: FloatArray | None, slip_std: FloatArray | None,
                pose: FloatArray | None, goal: FloatArray | None, now: float,
                keep_out: Mask | None = None, known_safe: Mask | None = None) -> Plan:

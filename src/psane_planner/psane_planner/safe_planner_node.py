@@ -26,6 +26,7 @@ from psane_planner.conversions import (
     region_message,
     safe_map_cells,
     status_message,
+    stuck_at_of,
 )
 from psane_planner.given_maps import GivenMaps
 from psane_planner.map_pair import MapPair
@@ -88,6 +89,7 @@ class SafePlannerNode(Node):
         take(MapScale, 'map_scale', self._take_scale, LATCHED)
         take(Odometry, 'odom', self._take_odometry, ODOMETRY_INPUT)
         take(Twist, 'cmd_vel', self._take_command, COMMANDS)
+        take(DiagnosticStatus, 'steering_status', self._take_steering, LATCHED)
         take(OccupancyGrid, 'keep_out', self._take_keep_out, LATCHED)
         take(OccupancyGrid, 'known_safe', self._take_known_safe, LATCHED)
         take(PoseStamped, 'goal_pose', self._take_goal, DEFAULT)
@@ -120,6 +122,12 @@ class SafePlannerNode(Node):
 
     def _take_command(self, message: Twist) -> None:
         self._asked = (message.linear.x, message.angular.z)
+
+    def _take_steering(self, message: DiagnosticStatus) -> None:
+        stuck_at = stuck_at_of(message)
+        if stuck_at is not None and self._planner is not None and self._planner.note_stuck(
+                stuck_at, self._now()):
+            self.get_logger().info(f'subgoal set aside, {message.message}')
 
     def _take_keep_out(self, message: OccupancyGrid) -> None:
         self._given.take_keep_out(*conversions.cells_of(message, self._frame))

@@ -46,6 +46,9 @@ class ReactiveConfiguration(Configuration):
     hole_stiffness: float = parameter(
         1.0, 'pull of a hole on its border; large values shrink it to a point', low=0.01,
         high=1000.0)
+    longest_detour: float = parameter(
+        1.1, 'times the way on the other side of a hole from which the harmonic way is too long',
+        low=1.0, high=100.0)
     purge_switch: str = parameter(
         'scale_free', 'switch of the purging map; exponential is the published one',
         choices=('scale_free', 'exponential'))
@@ -62,7 +65,7 @@ class ReactiveConfiguration(Configuration):
         high=600.0)
 
     look_ahead: float = parameter(
-        0.8, 'how far along its way the robot aims', unit='m', low=0.1, high=5.0)
+        1.5, 'how far along its way the robot aims', unit='m', low=0.1, high=5.0)
     straight_reach: float = parameter(
         3.0, 'distance within which a visible subgoal is driven at straight', unit='m', low=0.0,
         high=100.0)

@@ -2,6 +2,7 @@
 """Between ROS messages and what the steering core works with."""
 
 import numpy as np
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from shapely.geometry import MultiPolygon, Polygon
@@ -10,7 +11,10 @@ from psane_mapping.conversions import pose_of, require_finite, require_frame
 from psane_mapping.errors import MessageError
 from psane_mapping.grid import FloatArray
 from psane_msgs.msg import Ring, SafeRegion
-from psane_reactive.command import Command
+from psane_reactive.command import Command, Mode
+
+TROUBLES = (Mode.STOPPED, Mode.STUCK)
+"""What somebody should look at."""
 
 LARGEST_RING = 100_000
 """Most corners that a ring may have; more is a mistake of the sender."""
@@ -55,3 +59,15 @@ def twist_of(command: Command) -> Twist:
     message.linear.y = float(command.lateral)
     message.angular.z = float(command.angular)
     return message
+
+
+def steering_status_of(command: Command, subgoal: FloatArray | None,
+                       name: str) -> DiagnosticStatus:
+    """Return what the steering does, why, and where it was sent, (2,) [m]."""
+    values = {'mode': command.mode.value}
+    if subgoal is not None:
+        values |= {'subgoal_x': f'{subgoal[0]:.4f}', 'subgoal_y': f'{subgoal[1]:.4f}'}
+    return DiagnosticStatus(
+        level=DiagnosticStatus.WARN if command.mode in TROUBLES else DiagnosticStatus.OK,
+        name=name, message=f'{command.mode.value}: {command.reason}', hardware_id='psane',
+        values=[KeyValue(key=key, value=value) for key, value in values.items()])

@@ -9,6 +9,7 @@ from psane_reactive.clearance import Border
 from psane_reactive.embedding import Embedding, doubled_areas, embed
 from psane_reactive.errors import MapError
 from psane_reactive.mesh import Mesh, mesh_region
+from psane_reactive.mesh_distance import MeshDistance, passes_other_side, points_within
 from psane_reactive.model_map import Way
 from psane_reactive.trace import (
     barycentric,
@@ -38,6 +39,8 @@ class HarmonicMap:
         Edge of the mesh [m].
     stiffness : float
         Pull of a hole on its border [-].
+    longest_detour : float
+        How many times the shortest way along the mesh the map's way may be long [-].
 
     Raises
     ------
@@ -46,8 +49,9 @@ class HarmonicMap:
     """
 
     def __init__(self, polygon: shapely.Polygon, edge: float = 0.1,
-                 stiffness: float = 1.0) -> None:
+                 stiffness: float = 1.0, longest_detour: float = 1.1) -> None:
         self.polygon = polygon
+        self._longest_detour = longest_detour
         self.mesh: Mesh = mesh_region(self.polygon, edge)
         self.embedding = self._best_embedding(stiffness)
         self.border = Border(self.polygon)
@@ -56,6 +60,10 @@ class HarmonicMap:
         self._edge_ends = np.concatenate([np.roll(ring, -1) for ring in self.mesh.rings])
         self._edge_triangles = owners_of(self.mesh.triangles, self._edge_starts, self._edge_ends)
         self._neighbours = neighbours_of(self.embedding.triangles)
+        self._distance = MeshDistance(self.mesh) if self.polygon.interiors else None
+        self._hole_points = np.array([
+            shapely.Polygon(hole).representative_point().coords[0]
+            for hole in self.polygon.interiors]).reshape(-1, 2)
         self._corner = self.mesh.vertices.min(axis=0) - 1e-6
         extent = self.mesh.vertices.max(axis=0) - self._corner + 1e-6
         self._size = edge
@@ -128,6 +136,11 @@ class HarmonicMap:
         Returns
         -------
         The first `reach` metres; None where rounding has swallowed the map.
+
+        Notes
+        -----
+        The line passes some holes on their long side. Where the shortest way along the mesh
+        passes one on the other side and is that much shorter, it is taken.
         """
         start_point, start = self.nearest_inside(position)
         goal_point, end = self.nearest_inside(goal)
@@ -135,15 +148,31 @@ class HarmonicMap:
             return None
         if max(np.hypot(*(start_point - position)), np.hypot(*(goal_point - goal))) > _FARTHEST:
             return None
-        points, outcome = pull_back_line(
+        points, kept, length = pull_back_line(
             self.mesh.vertices, self.embedding.model, self.embedding.triangles, self._neighbours,
             len(self.mesh.vertices), start, self._inner_image(start_point, start), end,
             self._inner_image(goal_point, end), start_point, reach)
-        if outcome < 0:
+        if kept < 0:
             return None
-        if outcome == 0:
-            return Way(points, ends_at_goal=False)
+        other = self._other_side(points, length, start_point, start, goal_point, end)
+        if other is not None:
+            points, kept = other, points_within(other, start_point, reach)
+        if kept < len(points):
+            return Way(points[:kept], ends_at_goal=False)
         return Way(np.concatenate((points, goal[None, :])), ends_at_goal=True)
+
+    def _other_side(self, points: FloatArray, length: float, start_point: FloatArray, start: int,
+                    goal_point: FloatArray, end: int) -> FloatArray | None:
+        """Return the way along the mesh where the line takes the long side of a hole."""
+        if self._distance is None:
+            return None
+        corners, goal_corners = self.mesh.triangles[start], self.mesh.triangles[end]
+        least, first = self._distance.way(start_point, corners, goal_point, goal_corners)
+        if length <= self._longest_detour * least:
+            return None
+        along = self._distance.along(first, goal_point, goal_corners)
+        is_other = passes_other_side(points, along, start_point, goal_point, self._hole_points)
+        return along if is_other else None
 
     def _image(self, point: FloatArray, triangle: int) -> FloatArray:
         """Map a point (2,) [m] of a known triangle."""

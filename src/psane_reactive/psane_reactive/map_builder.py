@@ -41,6 +41,6 @@ def build_map(component: shapely.Polygon, settings: ReactiveConfiguration) -> Mo
         # A hexagonal lattice has one vertex per 0.866 edge^2.
         edge = max(settings.mesh_edge, component.length / settings.mesh_size,
                    float(np.sqrt(component.area / (0.866 * settings.mesh_size))))
-        return HarmonicMap(component, edge, settings.hole_stiffness)
+        return HarmonicMap(component, edge, settings.hole_stiffness, settings.longest_detour)
     except ReactiveError:
         return None

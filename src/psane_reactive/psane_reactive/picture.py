@@ -57,7 +57,7 @@ def draw_instant(instant: RecordedRegion, goal: FloatArray, settings: ReactiveCo
     _draw_border(physical, model, region, chosen)
     _draw_arrows(physical, model, region, chosen, goal)
     _draw_way(physical, model, chosen, start, goal)
-    figure.savefig(path, dpi=150)
+    figure.savefig(path, dpi=90)
 
 
 def _draw_lines(physical: Axes, model: Axes, region: shapely.Polygon, chosen: ModelMap) -> None:

@@ -14,13 +14,17 @@ from psane_mapping.quality_of_service import COMMANDS, LATCHED, ODOMETRY_INPUT
 from psane_mapping.ros_parameters import ParameterBridge
 from psane_mapping.running import Diagnostics, Intake, run_node
 from psane_msgs.msg import PlannerStatus, SafeRegion
-from psane_reactive.command import Command, Mode
+from psane_reactive.command import Command
 from psane_reactive.configuration import ReactiveConfiguration
 from psane_reactive.controller import ReactiveController
-from psane_reactive.conversions import motion_of, region_of, twist_of
+from psane_reactive.conversions import (
+    TROUBLES,
+    motion_of,
+    region_of,
+    steering_status_of,
+    twist_of,
+)
 from psane_reactive.node_configuration import ReactiveNodeConfiguration
-
-_TROUBLES = (Mode.STOPPED, Mode.STUCK)
 
 
 class ReactiveControllerNode(Node):
@@ -31,8 +35,8 @@ class ReactiveControllerNode(Node):
         self._settings = ParameterBridge(self, ReactiveNodeConfiguration).configuration
         self._bridge = ParameterBridge(self, ReactiveConfiguration, self._reconfigure)
         self._frame = self._bridge.configuration.map_frame
-        # Maps are built beside the control loop, one at a time.
-        self._executor = ThreadPoolExecutor(max_workers=1)
+        # Maps are built beside the control loop, one at a time, unless that is not wanted.
+        self._executor = ThreadPoolExecutor(max_workers=1) if self._settings.build_beside else None
         self._controller = ReactiveController(self._bridge.configuration, self._executor)
         self._controller.warm_up()
         self._region: SafeRegion | None = None
@@ -40,6 +44,7 @@ class ReactiveControllerNode(Node):
         self._command: Command | None = None
         kind = TwistStamped if self._settings.enable_stamped_cmd_vel else Twist
         self._publisher = self.create_publisher(kind, 'cmd_vel', COMMANDS)
+        self._status = self.create_publisher(DiagnosticStatus, 'steering_status', LATCHED)
         self._intake = Intake(self)
         take = self._intake.subscribe
         take(SafeRegion, 'safe_region', self._take_region, LATCHED)
@@ -79,7 +84,11 @@ class ReactiveControllerNode(Node):
         now = self._now()
         before, self._command = self._command, self._controller.command(now)
         self._publish(self._command, now)
-        if self._command.mode in _TROUBLES and (
+        if before is None or before.mode is not self._command.mode:
+            self._status.publish(steering_status_of(
+                self._command, self._controller.inputs.subgoal,
+                self.get_fully_qualified_name()))
+        if self._command.mode in TROUBLES and (
                 before is None or before.reason != self._command.reason):
             self.get_logger().info(f'{self._command.mode.value}: {self._command.reason}',
                                    throttle_duration_sec=2.0)
@@ -96,7 +105,7 @@ class ReactiveControllerNode(Node):
         command = self._command
         if command is None:
             return DiagnosticStatus.WARN, 'no command yet', {}
-        level = DiagnosticStatus.WARN if command.mode in _TROUBLES else DiagnosticStatus.OK
+        level = DiagnosticStatus.WARN if command.mode in TROUBLES else DiagnosticStatus.OK
         return level, f'{command.mode.value}: {command.reason}', vars(self._controller.counts)
 
 

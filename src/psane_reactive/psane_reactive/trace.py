@@ -93,13 +93,13 @@ def locate(points: FloatArray, triangles: IndexArray, offsets: IndexArray, entri
 def pull_back_line(vertices: FloatArray, model: FloatArray, triangles: IndexArray,
                    neighbours: IndexArray, hubs_from: int, start: int, start_model: FloatArray,
                    goal: int, goal_model: FloatArray, position: FloatArray, reach: float,
-                   ) -> tuple[FloatArray, int]:
+                   ) -> tuple[FloatArray, int, float]:
     """Pull the straight line between two points of the disk back into the region.
 
     Returns
     -------
-    The way (k, 2) [m] without its start, and 1 when it ends in the goal's triangle, 0 when it is
-    at least `reach` [m] long, -1 when the walk failed.
+    The way (k, 2) [m] without its start, to the goal's triangle; how many of its points the first
+    `reach` [m] take, -1 when the walk failed; and the length of all of it [m].
 
     Notes
     -----
@@ -108,14 +108,14 @@ def pull_back_line(vertices: FloatArray, model: FloatArray, triangles: IndexArra
     so it slides along the hole on the side on which the line passes the hub.
     """
     way = np.empty((2 * triangles.shape[0] + 8, 2))
-    count, length, came_from, t = 0, 0.0, -1, start
+    count, kept, length, came_from, t = 0, 0, 0.0, -1, start
     x, y = position[0], position[1]
     dx, dy = goal_model[0] - start_model[0], goal_model[1] - start_model[1]
     for _ in range(2 * triangles.shape[0] + 4):
+        if length < reach:
+            kept = count
         if t == goal:
-            return way[:count], 1
-        if length >= reach:
-            return way[:count], 0
+            return way[:count], min(count, kept + 1), length
         exit_edge = -1
         side_i, side_j = 0.0, 0.0
         for k in range(3):
@@ -126,7 +126,7 @@ def pull_back_line(vertices: FloatArray, model: FloatArray, triangles: IndexArra
                 exit_edge = k
                 break
         if exit_edge < 0 or neighbours[t, exit_edge] < 0:
-            return way[:count], -1
+            return way[:count], -1, length
         i, j = triangles[t, exit_edge], triangles[t, (exit_edge + 1) % 3]
         if i >= hubs_from:
             next_x, next_y = vertices[j, 0], vertices[j, 1]
@@ -143,4 +143,4 @@ def pull_back_line(vertices: FloatArray, model: FloatArray, triangles: IndexArra
             length += step
         x, y = next_x, next_y
         came_from, t = t, neighbours[t, exit_edge]
-    return way[:count], -1
+    return way[:count], -1, length

@@ -12,8 +12,8 @@ import shapely
 from psane_mapping.grid import FloatArray
 from psane_reactive.configuration import ReactiveConfiguration
 from psane_reactive.controller import ReactiveController
-from psane_reactive.guide import Counts
 from psane_reactive.kinematic_robot import drive_to
+from psane_reactive.ledger import Ledger, Row
 from psane_reactive.recorded import RecordedRegion
 from psane_reactive.sample_regions import random_points, star_world
 from psane_reactive.shortest_path import ShortestPath
@@ -52,7 +52,24 @@ class Tally:
     exceptions: int = 0
     failures: list[str] = field(default_factory=list)
     ratios: list[float] = field(default_factory=list)
-    counts: Counts = field(default_factory=Counts)
+    by_map: int = 0
+    by_field: int = 0
+
+    def add(self, name: str, row: Row) -> None:
+        """Count one drive."""
+        self.drives += 1
+        if 'error' in row:
+            self.exceptions += 1
+            self.failures.append(f'{name}: {row["error"]}')
+            return
+        self.reached += row['reached']
+        self.exits += row['outside'] > 0.0
+        self.by_map += row['by_map']
+        self.by_field += row['by_field']
+        if not row['reached'] or row['outside'] > 0.0:
+            self.failures.append(f'{name}: deepest {row["outside"]:.4f} m outside, {row["modes"]}')
+        elif 'ratio' in row:
+            self.ratios.append(row['ratio'])
 
     def figures(self, prefix: str) -> dict[str, float]:
         """Return shares and quantiles by name."""
@@ -60,8 +77,7 @@ class Tally:
                  f'{prefix}_reach': self.reached / max(self.drives, 1),
                  f'{prefix}_exits': float(self.exits),
                  f'{prefix}_exceptions': float(self.exceptions),
-                 f'{prefix}_field_share': self.counts.by_field
-                 / max(self.counts.by_map + self.counts.by_field, 1)}
+                 f'{prefix}_field_share': self.by_field / max(self.by_map + self.by_field, 1)}
         if self.ratios:
             found[f'{prefix}_length_median'] = float(np.median(self.ratios))
             found[f'{prefix}_length_p95'] = float(np.quantile(self.ratios, 0.95))
@@ -91,30 +107,45 @@ def obstacle_trials(count: int, seed: int = 0, most_holes: int = 10) -> Iterator
 
 
 def run_trials(trials: Iterable[Trial], settings: ReactiveConfiguration, step: float = 0.05,
+               ledger: Ledger | None = None, part: str = '',
                show: Callable[[str], None] | None = None) -> Tally:
-    """Drive all trials, each with a controller of its own."""
+    """Drive all trials, each with a controller of its own, but for those in the ledger.
+
+    Parameters
+    ----------
+    step : float
+        Time between commands [s].
+    part : str
+        Name under which the ledger keeps the results.
+    show : callable or None
+        Is told the name of each trial that was made.
+    """
+    ledger = Ledger() if ledger is None else ledger
     tally = Tally()
     for trial in trials:
-        controller = ReactiveController(settings)
-        controller.counts = tally.counts
-        controller.reconfigure(settings)
-        tally.drives += 1
-        try:
-            drive = drive_to(controller, trial.region, trial.start, trial.yaw, trial.goal, step)
-        except Exception as error:  # noqa: BLE001 - none may escape, so each is counted
-            tally.exceptions += 1
-            tally.failures.append(f'{trial.name}: {error!r}')
-            continue
-        tally.reached += drive.has_arrived
-        tally.exits += drive.deepest_outside > 0.0
-        if not drive.has_arrived or drive.deepest_outside > 0.0:
-            tally.failures.append(f'{trial.name}: deepest {drive.deepest_outside:.4f} m outside, '
-                                  f'{ {mode.value: n for mode, n in drive.modes.items()} }')
-        else:
-            shortest = ShortestPath(trial.region.simplify(_SIMPLIFICATION)).length(
-                trial.start, trial.goal)
-            if _SHORTEST < shortest < math.inf:
-                tally.ratios.append((drive.length + settings.arrival_tolerance) / shortest)
+        row = ledger.row(part, trial.name)
+        if row is None:
+            row = _drive(trial, settings, step)
+            ledger.add(part, trial.name, row)
+        tally.add(trial.name, row)
         if show is not None:
             show(trial.name)
     return tally
+
+
+def _drive(trial: Trial, settings: ReactiveConfiguration, step: float) -> Row:
+    """Return what became of one drive; no exception escapes, so that each is counted."""
+    controller = ReactiveController(settings)
+    try:
+        drive = drive_to(controller, trial.region, trial.start, trial.yaw, trial.goal, step)
+    except Exception as error:  # noqa: BLE001 - counted and named
+        return {'error': repr(error)}
+    row: Row = {'reached': drive.has_arrived, 'outside': round(drive.deepest_outside, 5),
+                'by_map': controller.counts.by_map, 'by_field': controller.counts.by_field,
+                'modes': {mode.value: count for mode, count in drive.modes.items()}}
+    if drive.has_arrived:
+        shortest = ShortestPath(trial.region.simplify(_SIMPLIFICATION)).length(
+            trial.start, trial.goal)
+        if _SHORTEST < shortest < math.inf:
+            row['ratio'] = (drive.length + settings.arrival_tolerance) / shortest
+    return row

@@ -6,6 +6,7 @@ import json
 import sys
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from psane_mapping import benchmark as map_benchmark
 from psane_planner import benchmark as plan_benchmark
@@ -13,6 +14,7 @@ from psane_reactive import benchmark as steer_benchmark
 from psane_sim import simulator_benchmark, touch_report
 from psane_sim.catalogue import load_terrain
 from psane_sim.closed_loop import ClosedLoop, Settings
+from psane_sim.measured_page import page_of
 from psane_sim.summary import Task
 
 LOOP_SECONDS = 30.0
@@ -47,6 +49,13 @@ def measure_map() -> dict[str, float]:
     return {**map_benchmark.measure(full=True), **ros_map_latency.measure()}
 
 
+def measure_steering() -> dict[str, float]:
+    """Return every figure of the steering, those of the physics with them: an hour or more."""
+    # Only here: the other parts need none of it.
+    from psane_sim import steering_figures
+    return {**steer_benchmark.measure_full(), **steering_figures.measure()}
+
+
 PARTS: dict[str, Callable[[], dict[str, float]]] = {
     'sim': measure_sim,
     'touch': measure_touch,
@@ -64,16 +73,26 @@ def main(arguments: Sequence[str] | None = None) -> None:
                         help='what to measure (default: all, a few minutes)')
     parser.add_argument('--json', action='store_true',
                         help='one JSON object of named numbers on standard output')
+    parser.add_argument('--page', type=Path, metavar='FILE',
+                        help='write a page (Markdown) of the figures and what they are')
+    parser.add_argument('--full', action='store_true',
+                        help='steer: every recorded region, 1000 worlds, 100000 points and 10 '
+                        'runs on the physics, an hour or more; goes on where it was broken off '
+                        f'({steer_benchmark.DEFAULT_LEDGER})')
     options = parser.parse_args(arguments)
-    figures: dict[str, float] = {}
+    if options.full and options.part != 'steer':
+        parser.error('--full is for the part steer')
+    measured: dict[str, dict[str, float]] = {}
     for part in PARTS if options.part == 'all' else [options.part]:
         began = time.monotonic()
         print(f'measuring {part} ...', file=sys.stderr, flush=True)
-        found = PARTS[part]()
+        measured[part] = measure_steering() if options.full else PARTS[part]()
         print(f'measured {part} in {time.monotonic() - began:.0f} s', file=sys.stderr, flush=True)
-        figures.update(found)
         if not options.json:
-            for name, value in found.items():
+            for name, value in measured[part].items():
                 print(f'  {name:28s} {value:.6g}')
     if options.json:
-        print(json.dumps(figures, indent=2))
+        print(json.dumps({name: value for figures in measured.values()
+                          for name, value in figures.items()}, indent=2))
+    if options.page is not None:
+        options.page.write_text(page_of(measured))

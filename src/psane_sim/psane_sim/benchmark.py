@@ -7,12 +7,15 @@ one line here.
 
 import argparse
 import importlib
+import signal
 import sys
 from collections.abc import Sequence
+from types import FrameType
 
 from psane_sim.errors import SimulationError
 
-EXPERIMENTS = {'audit': 'psane_sim.audit'}
+EXPERIMENTS = {'audit': 'psane_sim.audit', 'paper': 'psane_sim.paper',
+               'replay': 'psane_sim.replay_row'}
 """Module of each experiment."""
 
 
@@ -26,6 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         module.add_arguments(commands.add_parser(name, help=module.HELP,
                                                  description=module.__doc__))
     options = parser.parse_args(arguments)
+    previous = signal.signal(signal.SIGTERM, _interrupt)
     try:
         status: int = modules[options.experiment].run(options)
     except SimulationError as problem:
@@ -34,7 +38,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except KeyboardInterrupt:
         print('broken off; the same command goes on from here', file=sys.stderr)
         status = 130
+    finally:
+        signal.signal(signal.SIGTERM, previous)
     sys.exit(status)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    """End like Ctrl-C, so that no worker is left behind."""
+    raise KeyboardInterrupt
 
 
 if __name__ == '__main__':

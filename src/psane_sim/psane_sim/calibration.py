@@ -9,15 +9,18 @@ from typing import Any
 
 import numpy as np
 import yaml
-from scipy.optimize import least_squares, lsq_linear
+from scipy.optimize import least_squares, linprog
 
 from psane_mapping.errors import ParameterError
 from psane_mapping.grid import FloatArray
 from psane_mapping.slip import CalibratedSlipCurve
-from psane_sim.feed_forward import STRAIGHT_SWEEP
+from psane_sim.feed_forward import UNPUSHED_SWEEP
 
 LEAST_FACTOR = 0.01
 """No factor of the feed-forward may be smaller: it would ask for sweeps without end."""
+
+POWERS = np.round(np.arange(0.7, 1.41, 0.02), 2)
+"""Of the half difference of sweeps, that are tried [-]."""
 
 MAPPER, SIMULATOR = 'terrain_mapper', 'hexapod_sim'
 """The nodes that a calibration is for."""
@@ -99,21 +102,24 @@ def fit_feed_forward(forward: Sequence[SweepResponse], backward: Sequence[SweepR
 
     Notes
     -----
-    With mean m and half difference d of the sweeps, forward: v / f = a m + b |d| (1 - m / 1.2) and
-    w / f = (c + e m) d; backward: v / f = a' m, w / f = c' d; on the spot: w / f = c'' d. Least
-    squares of relative errors; no factor is below `LEAST_FACTOR`.
+    With mean m and half difference d of the sweeps, forward: v / f = a m + b |d| (1 - m / 1.4) and
+    w / f = (c + e m) d^p; backward: v / f = a' m, w / f = c' d; on the spot: w / f = c'' d^q. The
+    largest relative error is made as small as can be (a linear programme; p and q by trial); no
+    factor is below `LEAST_FACTOR`.
     """
     mean, half, speed, turn = _columns(forward, frequency)
-    push = np.abs(half) * np.maximum(0.0, 1.0 - mean / STRAIGHT_SWEEP)
-    along, pushed = _positive(np.column_stack((mean, push)), speed)
-    constant, gain = _positive(np.column_stack((half, mean * half)), turn)
-    back = _columns(backward, frequency)
+    push = np.abs(half) * np.maximum(0.0, 1.0 - mean / UNPUSHED_SWEEP)
+    along, pushed = _positive(np.column_stack((mean, push)), speed)[0]
+    (constant, gain), exponent = _with_power(half, np.column_stack((np.ones_like(mean), mean)),
+                                             turn)
+    back, around = _columns(backward, frequency), _columns(spot, frequency)
+    (spot_turn,), spot_exponent = _with_power(around[1], np.ones((len(around[1]), 1)), around[3])
     return {
         'speed_per_sweep': along, 'speed_per_turn': pushed, 'turn_per_sweep': constant,
-        'turn_gain': gain, 'backward_speed_per_sweep': _positive(back[0][:, None], back[2])[0],
-        'backward_turn_per_sweep': _positive(back[1][:, None], back[3])[0],
-        'spot_turn_per_sweep': _positive(_columns(spot, frequency)[1][:, None],
-                                         _columns(spot, frequency)[3])[0],
+        'turn_gain': gain, 'turn_exponent': exponent,
+        'backward_speed_per_sweep': _positive(back[0][:, None], back[2])[0][0],
+        'backward_turn_per_sweep': _positive(back[1][:, None], back[3])[0][0],
+        'spot_turn_per_sweep': spot_turn, 'spot_turn_exponent': spot_exponent,
     }
 
 
@@ -125,11 +131,30 @@ def _columns(responses: Sequence[SweepResponse], frequency: float
     return 0.5 * (left + right), 0.5 * (right - left), linear / frequency, angular / frequency
 
 
-def _positive(columns: FloatArray, target: FloatArray) -> list[float]:
-    """Return factors that make the relative errors small; targets near 0 count less."""
-    weight = 1.0 / np.maximum(np.abs(target), 0.3 * np.abs(target).max() + 1e-9)
-    found = lsq_linear(weight[:, None] * columns, weight * target, bounds=(LEAST_FACTOR, np.inf))
-    return [float(value) for value in found.x]
+def _with_power(base: FloatArray, columns: FloatArray, target: FloatArray
+                ) -> tuple[list[float], float]:
+    """Return factors of the columns times a power of the base, and the power that fits best."""
+    trials = []
+    for power in POWERS:
+        scaled = (np.sign(base) * np.abs(base)**power)[:, None] * columns
+        trials.append((*_positive(scaled, target), float(power)))
+    factors, _, best = min(trials, key=lambda trial: trial[1])
+    return factors, best
+
+
+def _positive(columns: FloatArray, target: FloatArray) -> tuple[list[float], float]:
+    """Return factors whose largest relative error is least, and that error.
+
+    Targets near 0 count less.
+    """
+    size = np.maximum(np.abs(target), 0.3 * np.abs(target).max() + 1e-9)
+    rows, wanted = columns / size[:, None], target / size
+    slack = -np.ones((len(rows), 1))
+    found = linprog(np.append(np.zeros(columns.shape[1]), 1.0),
+                    A_ub=np.vstack((np.hstack((rows, slack)), np.hstack((-rows, slack)))),
+                    b_ub=np.concatenate((wanted, -wanted)),
+                    bounds=[(LEAST_FACTOR, None)] * columns.shape[1] + [(0.0, None)])
+    return [float(value) for value in found.x[:-1]], float(found.x[-1])
 
 
 @dataclass(frozen=True)

@@ -65,6 +65,6 @@ def _draw_tracking(axes: Any, found: dict[Any, Stride], field: str, unit: str) -
     axes.plot((low, high), (low, high), 'k-', lw=0.5)
     for factor in (0.85, 1.15):
         axes.plot((low, high), (factor * low, factor * high), 'k:', lw=0.5)
-    axes.set(xlabel=f'commanded {unit}', ylabel='walked (before this calibration)')
+    axes.set(xlabel=f'commanded {unit}', ylabel='walked')
     axes.grid(alpha=0.3)
     axes.legend(fontsize=7)

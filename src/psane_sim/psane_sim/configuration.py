@@ -31,24 +31,34 @@ class SimulatorConfiguration(Configuration):
         4.0, 'how fast the sweep follows a new command', unit='rad/s', low=0.1, high=100.0,
         read_only=True)
     speed_per_sweep: float = parameter(
-        0.322, 'forward speed for a sweep of 1 rad at 1 turn/s', unit='m/rad', low=0.01,
+        0.323, 'forward speed for a sweep of 1 rad at 1 turn/s', unit='m/rad', low=0.01,
         high=5.0, read_only=True)
     turn_per_sweep: float = parameter(
-        0.288, 'yaw rate for a half difference of sweeps of 1 rad at 1 turn/s', low=0.01,
+        0.346, 'yaw rate for a half difference of sweeps of 1 rad at 1 turn/s', low=0.01,
         high=20.0, read_only=True)
     turn_gain: float = parameter(
-        0.159, 'growth of turn_per_sweep with the mean sweep', unit='1/rad', low=0.0, high=20.0,
+        0.0405, 'growth of turn_per_sweep with the mean sweep', unit='1/rad', low=0.0, high=20.0,
         read_only=True)
+    turn_exponent: float = parameter(
+        0.86, 'power of the half difference of sweeps with which the yaw rate grows', low=0.5,
+        high=2.0, read_only=True)
     speed_per_turn: float = parameter(
-        0.289, 'forward speed that a half difference of 1 rad adds at 1 turn/s', unit='m/rad',
+        0.232, 'forward speed that a half difference of 1 rad adds at 1 turn/s', unit='m/rad',
         low=0.0, high=5.0, read_only=True)
     backward_speed_per_sweep: float = parameter(
-        0.227, 'speed for a sweep of 1 rad at 1 turn/s when walking backward', unit='m/rad',
+        0.26, 'speed for a sweep of 1 rad at 1 turn/s when walking backward', unit='m/rad',
         low=0.01, high=5.0, read_only=True)
+    backward_centre: float = parameter(
+        -0.35, 'angle of the legs in the middle of their stance when they walk backward; on their '
+        'toes their speed depends less on the ground', unit='rad', low=-1.0, high=1.0,
+        read_only=True)
     backward_turn_per_sweep: float = parameter(
-        0.39, 'turn_per_sweep when walking backward', low=0.01, high=20.0, read_only=True)
+        0.327, 'turn_per_sweep when walking backward', low=0.01, high=20.0, read_only=True)
     spot_turn_per_sweep: float = parameter(
-        0.563, 'turn_per_sweep when turning on the spot', low=0.01, high=20.0, read_only=True)
+        0.612, 'turn_per_sweep when turning on the spot', low=0.01, high=20.0, read_only=True)
+    spot_turn_exponent: float = parameter(
+        1.12, 'power of the half difference of sweeps with which a turn on the spot grows',
+        low=0.5, high=2.0, read_only=True)
     speed_limit: float = parameter(
         0.3, 'largest forward speed that is obeyed', unit='m/s', low=0.0, high=5.0)
     turn_limit: float = parameter(

@@ -9,15 +9,18 @@ from types import FrameType
 
 from psane_mapping.errors import ParameterError
 from psane_planner.configuration import PlannerConfiguration
-from psane_sim.closed_loop import ClosedLoop, Settings
-from psane_sim.configuration import SimulatorConfiguration
+from psane_sim.bag_summary import BAG, in_short
+from psane_sim.closed_loop import ClosedLoop
 from psane_sim.demo_options import Assignment, assignment_of, parse
 from psane_sim.errors import SimulationError
+from psane_sim.node_parameters import settings_of
 from psane_sim.picture import draw_run
 from psane_sim.progress import ProgressLine
 from psane_sim.run_record import RunRecord
 from psane_sim.scoring import Score
 from psane_sim.summary import Ending, Outcome, in_words, summarise, write_summary
+from psane_sim.team_demo import run_team
+from psane_sim.touch_summary import touch_summary, write_strides
 
 SUCCESS, NO_SUCCESS, BAD_ARGUMENT, NODE_DIED = 0, 1, 2, 3
 """Exit statuses."""
@@ -42,6 +45,8 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run what the options ask for; return the exit status."""
+    if options.robots > 1:
+        return run_team(options)
     assignment = assignment_of(options)
     for warning in assignment.warnings:
         print(f'psane demo: warning: {warning}', file=sys.stderr)
@@ -57,11 +62,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _run_in_process(assignment: Assignment, options: argparse.Namespace,
                     line: ProgressLine) -> tuple[RunRecord, Outcome, Score]:
-    task = assignment.task
-    settings = Settings(
-        simulator=SimulatorConfiguration(gui=options.gui),
-        planner=PlannerConfiguration(strategy=task.strategy, slip_threshold=task.threshold))
-    loop = ClosedLoop(task, assignment.terrain, assignment.start_pose, settings)
+    loop = ClosedLoop(assignment.task, assignment.terrain, assignment.start_pose,
+                      settings_of(assignment, gui=options.gui))
     outcome, score = loop.run(line.show)
     return loop.record, outcome, score
 
@@ -70,10 +72,13 @@ def _run_on_graph(assignment: Assignment, options: argparse.Namespace,
                   line: ProgressLine) -> tuple[RunRecord, Outcome, Score]:
     # Only here, so that a run in one process needs no ROS.
     from psane_sim.graph_run import GraphRun, GraphSettings
+    from psane_sim.ros_view_process import live_view
     PlannerConfiguration(slip_threshold=assignment.task.threshold)
     graph = GraphRun(assignment, GraphSettings(out=options.out, pace=options.pace,
-                                               gui=options.gui))
-    outcome, score = graph.run(line.show)
+                                               gui=options.gui, record=options.record))
+    with live_view(options.view, options.out, options.robot):
+        outcome, score = graph.run(line.show)
+        line.close()
     return graph.record, outcome, score
 
 
@@ -81,12 +86,16 @@ def _report(assignment: Assignment, record: RunRecord, outcome: Outcome, score: 
             options: argparse.Namespace) -> int:
     """Write summary and picture, print the summary, return the exit status."""
     task = assignment.task
-    summary = summarise(task, outcome, score)
+    touch = touch_summary(record, assignment.robot)
+    summary = summarise(task, outcome, score, touch)
+    write_strides(record, assignment.robot, options.out / 'strides.csv')
     write_summary(summary, options.out / 'summary.json')
     print(in_words(summary))
     title = f'{task.strategy} on {task.terrain}, seed {task.seed}: {outcome.ending.value}'
     draw_run(record, assignment.terrain, task.threshold, title, options.out / 'run.png')
     print(f'  summary and picture   {options.out}/summary.json, {options.out}/run.png')
+    if options.record:
+        print(f'  bag                   {in_short(options.out / BAG)}')
     if outcome.ending is Ending.NODE_DIED:
         return NODE_DIED
     return SUCCESS if summary['success'] else NO_SUCCESS

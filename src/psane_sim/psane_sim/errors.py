@@ -49,3 +49,7 @@ class GraphError(SimulationError, RuntimeError):
 
 class AuditError(SimulationError, RuntimeError):
     """An audit cannot run as it was asked for: other settings in the folder, no scheduler."""
+
+
+class PaperError(SimulationError, RuntimeError):
+    """The paper's experiments cannot run, or a row cannot be replayed, as it was asked for."""

@@ -7,6 +7,7 @@ than a radius of about 0.8 m do not exist for this gait, so what lies between is
 spot.
 """
 
+import math
 from typing import NamedTuple
 
 from psane_sim.configuration import SimulatorConfiguration
@@ -14,6 +15,9 @@ from psane_sim.configuration import SimulatorConfiguration
 _LONGEST_MEAN = 1.4
 _LONGEST_DIFFERENCE = 1.1
 STRAIGHT_SWEEP = 1.2
+"""Of both sides in the reference gait, a straight walk [rad]."""
+
+UNPUSHED_SWEEP = 1.4
 """Mean sweep at which a difference between the sides adds no speed [rad]."""
 
 _SPOT_SHARE = 0.7
@@ -27,6 +31,13 @@ class Sweep(NamedTuple):
     right: float
     swing_left: float = 1.0
     swing_right: float = 1.0
+
+    @property
+    def kind(self) -> str:
+        """'forward', 'backward' or 'spot'."""
+        if self.swing_left != self.swing_right:
+            return 'spot'
+        return 'forward' if self.swing_left > 0.0 else 'backward'
 
 
 def sweeps_of(linear: float, angular: float, config: SimulatorConfiguration) -> Sweep:
@@ -54,14 +65,15 @@ def sweeps_of(linear: float, angular: float, config: SimulatorConfiguration) -> 
 
 
 def _forward(linear: float, angular: float, config: SimulatorConfiguration) -> Sweep:
-    """Solve v / f = a m + b |d| (1 - m / 1.2), w / f = (c + e m) d for mean m and difference d."""
+    """Solve v / f = a m + b |d| (1 - m / 1.4), w / f = (c + e m) d^p for mean m, difference d."""
     speed = linear / config.stride_frequency
     turn = angular / config.stride_frequency
     mean, difference = speed / config.speed_per_sweep, 0.0
     for _ in range(_ITERATIONS):
-        difference = turn / (config.turn_per_sweep + config.turn_gain * mean)
+        wanted = turn / (config.turn_per_sweep + config.turn_gain * mean)
+        difference = math.copysign(abs(wanted) ** (1.0 / config.turn_exponent), turn)
         difference = max(-_LONGEST_DIFFERENCE, min(_LONGEST_DIFFERENCE, difference))
-        pushed = config.speed_per_turn * abs(difference) * max(0.0, 1.0 - mean / STRAIGHT_SWEEP)
+        pushed = config.speed_per_turn * abs(difference) * max(0.0, 1.0 - mean / UNPUSHED_SWEEP)
         wanted = (speed - pushed) / config.speed_per_sweep
         mean = 0.5 * (mean + max(0.0, min(_LONGEST_MEAN, wanted)))
     return _limited(mean, difference, 1.0, 1.0, config)
@@ -77,8 +89,9 @@ def _backward(linear: float, angular: float, config: SimulatorConfiguration) -> 
 
 def _on_the_spot(angular: float, config: SimulatorConfiguration) -> Sweep:
     """Walk forward on one side and backward on the other."""
-    difference = angular / (config.spot_turn_per_sweep * config.stride_frequency)
     sense = 1.0 if angular >= 0.0 else -1.0
+    turn = abs(angular) / (config.spot_turn_per_sweep * config.stride_frequency)
+    difference = sense * turn ** (1.0 / config.spot_turn_exponent)
     return _limited(0.0, difference, -sense, sense, config)
 
 

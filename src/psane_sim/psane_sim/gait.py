@@ -20,7 +20,7 @@ from psane_sim.feed_forward import Sweep, sweeps_of
 _SIDE = np.array(SIDE)
 _TRIPOD = np.array(TRIPOD)
 _STANDING, _WALKING = 0.0, 1.0
-_PHASE, _MODE, _LEFT, _RIGHT = 0, 1, 2, 3
+_PHASE, _MODE, _LEFT, _RIGHT, _CENTRE = 0, 1, 2, 3, 4
 _STANCE_DECAY, _SWING_DECAY = 0.8, 5.0
 
 
@@ -33,12 +33,13 @@ _wrap = njit(cache=True)(wrap)
 
 
 @njit(cache=True)
-def _clock_angle(phase: float, sweep: float, direction: float, duty: float) -> float:
+def _clock_angle(phase: float, sweep: float, direction: float, duty: float,
+                 centre: float) -> float:
     """Return a leg's angle at a phase in [0, 1) of its stride [rad]."""
     if phase < duty:
-        return sweep * (phase / duty - 0.5)
+        return centre + sweep * (phase / duty - 0.5)
     swing = (phase - duty) / (1.0 - duty)
-    return 0.5 * sweep + (2.0 * math.pi * direction - sweep) * swing
+    return centre + 0.5 * sweep + (2.0 * math.pi * direction - sweep) * swing
 
 
 @njit(cache=True)
@@ -47,19 +48,19 @@ def _walk(state: FloatArray, angle: FloatArray, offset: FloatArray, direction: F
           sweep_rate: float) -> None:
     """Move the clock, the sweeps and the six reference angles on by one tick."""
     state[_PHASE] = (state[_PHASE] + frequency * dt) % 1.0
-    for side in range(2):
-        change = wanted[side] - state[_LEFT + side]
-        limit = sweep_rate * dt
-        state[_LEFT + side] += max(-limit, min(limit, change))
+    limit = sweep_rate * dt
+    for index in range(3):
+        change = wanted[index] - state[_LEFT + index]
+        state[_LEFT + index] += max(-limit, min(limit, change))
     for leg in range(6):
         sweep = state[_LEFT + _SIDE[leg]]
         phase = (state[_PHASE] + 0.5 * _TRIPOD[leg]) % 1.0
         in_stance = phase < duty
         if in_stance:
-            direction[leg] = wanted[2 + _SIDE[leg]]
+            direction[leg] = wanted[3 + _SIDE[leg]]
         decay = (_STANCE_DECAY if in_stance else _SWING_DECAY) * dt
         offset[leg] -= max(-decay, min(decay, offset[leg]))
-        new = _clock_angle(phase, sweep, direction[leg], duty) + offset[leg]
+        new = _clock_angle(phase, sweep, direction[leg], duty, state[_CENTRE]) + offset[leg]
         speed[leg] = _wrap(new - angle[leg]) / dt
         angle[leg] = _wrap(new)
 
@@ -102,10 +103,10 @@ class Gait:
 
     def __init__(self, config: SimulatorConfiguration) -> None:
         self._config = config
-        self._state = np.array([0.0, _STANDING, 0.0, 0.0])
+        self._state = np.array([0.0, _STANDING, 0.0, 0.0, 0.0])
         self._offset = np.zeros(6)
         self._direction = np.ones(6)
-        self._wanted = np.array([0.0, 0.0, 1.0, 1.0])
+        self._wanted = np.array([0.0, 0.0, 0.0, 1.0, 1.0])
         self._target = np.zeros(6)
         self.reference = LegReference(np.zeros(6), np.zeros(6))
 
@@ -116,9 +117,11 @@ class Gait:
 
     @property
     def sweep(self) -> Sweep:
-        """Stance sweeps that are in force now [rad]."""
+        """Stance sweeps that are in force now; all 0 for a robot that was told to stand."""
+        if self.is_standing:
+            return Sweep(0.0, 0.0, 0.0, 0.0)
         return Sweep(float(self._state[_LEFT]), float(self._state[_RIGHT]),
-                     float(self._wanted[2]), float(self._wanted[3]))
+                     float(self._wanted[3]), float(self._wanted[4]))
 
     def command(self, linear: float, angular: float) -> None:
         """Ask for a forward speed [m/s] and a yaw rate [rad/s]; exactly (0, 0) means stand."""
@@ -126,7 +129,13 @@ class Gait:
             if not self.is_standing:
                 self._stand()
             return
-        self._wanted[:] = sweeps_of(linear, angular, self._config)
+        self.walk(sweeps_of(linear, angular, self._config))
+
+    def walk(self, sweep: Sweep) -> None:
+        """Ask for stance sweeps."""
+        is_backward = sweep.swing_left < 0.0 and sweep.swing_right < 0.0
+        centre = self._config.backward_centre if is_backward else 0.0
+        self._wanted[:] = (sweep.left, sweep.right, centre, sweep.swing_left, sweep.swing_right)
         if self.is_standing:
             self._set_off()
 
@@ -163,8 +172,10 @@ class Gait:
         duty = self._config.duty
         phases = self._phases()
         lifts_second = phases[1] >= duty or (phases[0] < duty and phases[1] > phases[0])
-        self._state[:] = (duty - 0.5 if lifts_second else duty, _WALKING, 0.0, 0.0)
-        self._direction[:] = self._wanted[2 + _SIDE]
-        for leg, phase in enumerate(self._phases()):
-            clock = _clock_angle(float(phase), 0.0, float(self._direction[leg]), duty)
+        phase = duty - 0.5 if lifts_second else duty
+        self._state[:] = (phase, _WALKING, 0.0, 0.0, self._wanted[2])
+        self._direction[:] = self._wanted[3 + _SIDE]
+        for leg, share in enumerate(self._phases()):
+            clock = _clock_angle(float(share), 0.0, float(self._direction[leg]), duty,
+                                 float(self._state[_CENTRE]))
             self._offset[leg] = wrap(float(self.reference.angle[leg]) - clock)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run on a real ROS 2 graph: five nodes, each its own process, on this machine alone."""
 
+import shutil
 import sys
 import time
 from collections.abc import Callable
@@ -9,13 +10,16 @@ from pathlib import Path
 
 import numpy as np
 import rclpy
+from rclpy.signals import SignalHandlerOptions
 
 from psane_mapping.configuration import MappingConfiguration
 from psane_mapping.grid import Grid
 from psane_planner.status import PlannerState
+from psane_sim.bag_summary import BAG
 from psane_sim.closed_loop import ENDINGS
 from psane_sim.demo_options import Assignment
 from psane_sim.errors import GraphError
+from psane_sim.node_parameters import listener_parameters, simulator_parameters
 from psane_sim.observer import Observer
 from psane_sim.processes import (
     Death,
@@ -34,7 +38,7 @@ LISTENERS = {'contact_sensor': 'psane_sim', 'terrain_mapper': 'psane_mapping',
              'safe_planner': 'psane_planner', 'reactive_controller': 'psane_reactive'}
 """Nodes that must be up before the world begins, and their packages."""
 
-SIMULATOR = 'hexapod_sim'
+SIMULATOR, RECORDER = 'hexapod_sim', 'recorder'
 STARTING, SILENCE, STANDING = 180.0, 20.0, 0.05
 """Longest start of the nodes (the very first one compiles) and longest silence of the clock, both
 on the wall [s]; a robot slower than the last one stands [m/s]."""
@@ -51,11 +55,14 @@ class GraphSettings:
     pace : float
         Simulated seconds for each second on the wall.
     gui : bool
+    record : bool
+        Record all topics into a bag in `out`.
     """
 
     out: Path
     pace: float
     gui: bool
+    record: bool = False
 
 
 class GraphRun:
@@ -88,13 +95,18 @@ class GraphRun:
         processes = Processes(self._settings.out / 'logs')
         for name, package in LISTENERS.items():
             processes.start(name, self._command(name, package))
-        rclpy.init(args=[])
+        if self._settings.record:
+            processes.start(RECORDER, self._recording())
+        # Its own handlers would shut the context down under the observer before Ctrl-C is noticed.
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         try:
             observer = Observer(self.record, self._scorer)
             began = time.monotonic()
             ending, cause = self._follow(observer, processes, show)
             wall = time.monotonic() - began
         finally:
+            # The recorder last, so that it hears what the others say at their end.
+            processes.stop(*(name for name in processes.names if name != RECORDER))
             processes.stop()
             rclpy.try_shutdown()
         self._score_truth()
@@ -107,18 +119,18 @@ class GraphRun:
         return [sys.executable, str(executable(package, name)),
                 *ros_arguments(self._parameters(name))]
 
+    def _recording(self) -> list[str]:
+        """Return the command that records, and make room for its bag."""
+        bag = self._settings.out / BAG
+        shutil.rmtree(bag, ignore_errors=True)
+        return [sys.executable, str(executable('psane_sim', 'record')), '--out', str(bag)]
+
     def _parameters(self, name: str) -> dict[str, object]:
-        task, settings = self._assignment.task, self._settings
-        if name == SIMULATOR:
-            x, y, yaw = self._assignment.start_pose
-            return {'terrain': task.terrain, 'use_start': True, 'start_x': x, 'start_y': y,
-                    'start_yaw': yaw, 'seed': task.seed, 'pace': settings.pace,
-                    'gui': settings.gui, 'truth_file': self._truth_file.resolve()}
-        parameters: dict[str, object] = {'use_sim_time': True}
-        if name == 'safe_planner':
-            parameters.update(strategy=task.strategy, slip_threshold=task.threshold,
-                              explore=task.goal is None)
-        return parameters
+        settings = self._settings
+        if name != SIMULATOR:
+            return listener_parameters(self._assignment, name)
+        return {**simulator_parameters(self._assignment, settings.pace, self._truth_file),
+                'gui': settings.gui, 'awaited_listener': RECORDER if settings.record else "''"}
 
     def _follow(self, observer: Observer, processes: Processes,
                 show: Callable[[Progress], None]) -> tuple[Ending, str]:
@@ -144,7 +156,8 @@ class GraphRun:
             When they do not come up in time.
         """
         deadline = time.monotonic() + STARTING
-        while missing := sorted(set(LISTENERS) - observer.present_nodes()):
+        awaited = {*LISTENERS, *((RECORDER,) if self._settings.record else ())}
+        while missing := sorted(awaited - observer.present_nodes()):
             self._spin(observer, processes)
             show(observer.starting(missing))
             if time.monotonic() > deadline:
@@ -199,13 +212,19 @@ class GraphRun:
 
     def _score_truth(self) -> None:
         """Score the true way, which the simulator left in a file."""
-        if not self._truth_file.is_file():
-            return
-        last = 0.0
-        for entry in read_truth(self._truth_file):
-            self._scorer.observe(entry.pose[:2], entry.grounded_feet, entry.time - last)
-            self.record.path.append((entry.time, float(entry.pose[0]), float(entry.pose[1])))
-            last = entry.time
+        score_truth(self._truth_file, self._scorer, self.record)
+
+
+def score_truth(path: Path, scorer: Scorer, record: RunRecord) -> None:
+    """Score the way in a truth log, and keep it; a log that is not there says nothing."""
+    if not path.is_file():
+        return
+    last = 0.0
+    for entry in read_truth(path):
+        scorer.observe(entry.pose[:2], entry.grounded_feet, entry.time - last)
+        record.path.append((entry.time, float(entry.pose[0]), float(entry.pose[1])))
+        record.truth.append(entry)
+        last = entry.time
 
 
 class _NodeDied(Exception):

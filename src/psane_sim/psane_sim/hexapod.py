@@ -13,6 +13,7 @@ from psane_mapping.leg import RobotModel
 from psane_sim.configuration import SimulatorConfiguration
 from psane_sim.engine import Engine
 from psane_sim.errors import FallenError, StartError
+from psane_sim.feed_forward import Sweep
 from psane_sim.gait import Gait
 from psane_sim.gravity import GRAVITY
 from psane_sim.render import Camera, Renderer, add_ground
@@ -86,6 +87,10 @@ class HexapodSimulator:
         """Ask for a forward speed [m/s] and a yaw rate [rad/s]; exactly (0, 0) means stand."""
         self.gait.command(linear, angular)
 
+    def walk(self, sweep: Sweep) -> None:
+        """Ask for stance sweeps instead."""
+        self.gait.walk(sweep)
+
     def step(self, ticks: int = 1) -> None:
         """Move on by some ticks of `time_step`.
 
@@ -139,7 +144,8 @@ class HexapodSimulator:
             joint_angle=state.angle.copy(), joint_speed=state.speed.copy(), joint_torque=torque,
             hip_force=hip_force, hip_moment=hip_moment, foot_force=load.force[:BODY].copy(),
             foot=load.foot[:BODY].copy(), foot_depth=load.depth[:BODY].copy(),
-            belly_depth=float(load.depth[BODY]), belly_force=load.force[BODY].copy())
+            belly_depth=float(load.depth[BODY]), belly_force=load.force[BODY].copy(),
+            sweep=self.gait.sweep)
 
     def render(self, width: int = 640, height: int = 480,
                camera: Camera | None = None) -> NDArray[np.uint8]:

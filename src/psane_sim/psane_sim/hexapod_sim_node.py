@@ -12,7 +12,7 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock as ClockMessage
 from sensor_msgs.msg import Imu, JointState
 
-from psane_mapping.conversions import stamp
+from psane_mapping.conversions import seconds, stamp
 from psane_mapping.errors import ParameterError
 from psane_mapping.leg import RobotModel
 from psane_mapping.quality_of_service import COMMANDS, DEFAULT, ODOMETRY, SENSORS
@@ -22,11 +22,13 @@ from psane_msgs.msg import HipWrenches
 from psane_sim import conversions
 from psane_sim.catalogue import load_terrain
 from psane_sim.configuration import SimulatorConfiguration
+from psane_sim.endpoints import SAFE_SLIP
 from psane_sim.errors import SimulationError
 from psane_sim.hexapod import HexapodSimulator
 from psane_sim.node_configuration import SimulatorNodeConfiguration
-from psane_sim.pacing import Pacer
+from psane_sim.pacing import Follower, Pacer
 from psane_sim.sensing import Sensors
+from psane_sim.terrain_sense import nonsense_of
 from psane_sim.transforms import TransformPublisher
 from psane_sim.truth import Truth
 from psane_sim.truth_log import TruthEntry, TruthLog
@@ -54,25 +56,38 @@ class HexapodSimNode(Node):
         self._intake = Intake(self)
         self._intake.subscribe(Twist, 'cmd_vel', self._take_command, COMMANDS)
         self._diagnostics = Diagnostics(self, self._intake, self._report)
-        self._pacer = Pacer(self._settings.pace, time.monotonic())
+        self._pacer = self._make_pacer()
         self._ticks = 0
+        self._has_begun = not self._settings.awaited_listener
         self.create_timer(2e-3, self._catch_up, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _make_simulator(self, configuration: SimulatorConfiguration,
                         robot: RobotModel) -> HexapodSimulator:
         settings = self._settings
         try:
-            terrain = load_terrain(settings.terrain)
+            terrain = load_terrain(settings.terrain).scaled(settings.strength_factor)
             start = terrain.start_pose
             if settings.use_start:
                 start = (settings.start_x, settings.start_y, settings.start_yaw)
+            goal = None if settings.use_start else terrain.goal
+            for problem in nonsense_of(terrain, start[:2], goal, SAFE_SLIP):
+                self.get_logger().warning(f'{settings.terrain}: {problem}')
             return HexapodSimulator(configuration, terrain, start, robot=robot)
         except SimulationError as error:
             raise ParameterError('terrain', settings.terrain, f'a usable world ({error})'
                                  ) from error
 
+    def _make_pacer(self) -> Pacer | Follower:
+        if not self._settings.follow_clock:
+            return Pacer(self._settings.pace, time.monotonic())
+        follower = Follower(time.monotonic())
+        self._intake.subscribe(ClockMessage, '/clock',
+                               lambda message: follower.hear(seconds(message.clock)), DEFAULT)
+        return follower
+
     def _advertise(self) -> None:
-        self._clock_publisher = self.create_publisher(ClockMessage, '/clock', DEFAULT)
+        self._clock_publisher = (None if self._settings.follow_clock else
+                                 self.create_publisher(ClockMessage, '/clock', DEFAULT))
         self._odometry = self.create_publisher(Odometry, 'odom', ODOMETRY)
         self._joints = self.create_publisher(JointState, 'joint_states', SENSORS)
         self._wrenches = self.create_publisher(HipWrenches, 'hip_wrenches', SENSORS)
@@ -88,9 +103,20 @@ class HexapodSimNode(Node):
 
     def _catch_up(self) -> None:
         """Simulate what the wall clock asks for, a few sensor periods at most."""
+        if not self._has_begun:
+            self._has_begun = self._is_heard_by(self._settings.awaited_listener)
+            return
         wall = time.monotonic()
         for _ in range(self._pacer.due(wall, self._simulator.time, SENSOR_PERIOD * 1e-3)):
             self._advance()
+
+    def _is_heard_by(self, listener: str) -> bool:
+        """Tell whether a node listens to all that is published here at a steady rate."""
+        return all(
+            any(info.node_name == listener
+                for info in self.get_subscriptions_info_by_topic(publisher.topic_name))
+            for publisher in (self._clock_publisher, self._odometry, self._joints,
+                              self._wrenches, self._imu) if publisher is not None)
 
     def _advance(self) -> None:
         """Simulate one sensor period and publish what was measured at its end."""
@@ -98,7 +124,8 @@ class HexapodSimNode(Node):
         self._simulator.step(SENSOR_PERIOD)
         self._ticks += SENSOR_PERIOD
         truth = self._simulator.truth()
-        self._clock_publisher.publish(ClockMessage(clock=stamp(truth.time)))
+        if self._clock_publisher is not None:
+            self._clock_publisher.publish(ClockMessage(clock=stamp(truth.time)))
         self._publish(truth)
         if self._log is not None and self._ticks % TRUTH_PERIOD == 0:
             self._log.write(TruthEntry.of(truth))

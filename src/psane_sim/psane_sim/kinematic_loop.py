@@ -13,7 +13,7 @@ import numpy as np
 from psane_mapping.configuration import MappingConfiguration
 from psane_mapping.grid import FloatArray, Grid
 from psane_mapping.map_cells import SLIP_MEAN, SLIP_STD, MapSteps, cells_of_maps, slip_of_cells
-from psane_mapping.mapper import TerrainMapper
+from psane_mapping.mapper import TerrainMapper, TerrainSample
 from psane_planner.configuration import PlannerConfiguration
 from psane_planner.planner import SafePlanner
 from psane_planner.status import Plan
@@ -21,6 +21,8 @@ from psane_reactive.configuration import ReactiveConfiguration
 from psane_reactive.controller import ReactiveController
 from psane_sim.closed_loop import ENDINGS
 from psane_sim.kinematic import KinematicConfiguration, KinematicRobot
+from psane_sim.run_record import RunRecord
+from psane_sim.run_watch import Watch
 from psane_sim.scoring import Score, Scorer
 from psane_sim.simulated_touch import SimulatedTouch, SimulatedTouchConfiguration
 from psane_sim.summary import Ending, Outcome, Task
@@ -62,6 +64,7 @@ class KinematicLoop:
     def __init__(self, task: Task, terrain: Terrain, start_pose: tuple[float, float, float],
                  settings: KinematicSettings) -> None:
         self._task = task
+        self.settings = settings
         self._goal = None if task.goal is None else np.array(task.goal)
         self._steps = MapSteps.of(settings.mapping)
         self._generator = np.random.default_rng((task.seed, 2))
@@ -72,6 +75,8 @@ class KinematicLoop:
         self._controller = ReactiveController(settings.reactive)
         self._scorer = Scorer(terrain, self._mapper.grid, np.array(start_pose[:2]),
                               task.threshold)
+        self.record = RunRecord(grid=self._mapper.grid, start=np.array(start_pose[:2]),
+                                goal=self._goal)
         self._maps: tuple[FloatArray, FloatArray] | None = None
         self._maps_version = -1
         self.plan: Plan | None = None
@@ -87,21 +92,31 @@ class KinematicLoop:
         """Slip mean and standard deviation (rows, columns) as last published [-]."""
         return self._published_maps()
 
-    def run(self) -> tuple[Outcome, Score]:
-        """Run until the planner ends or the time is over; return the score."""
+    @property
+    def time(self) -> float:
+        """Simulated time since the start [s]."""
+        return self._robot.time
+
+    def score(self) -> Score:
+        """Return the score so far."""
+        return self._scorer.score()
+
+    def run(self, watch: Watch | None = None) -> tuple[Outcome, Score]:
+        """Run until the planner ends, the time is over or `watch` says so; return the score."""
         began = time.monotonic()
         ending = Ending.TIMEOUT
         for tick in range(round(self._task.duration / TICK)):
             if tick % PLAN_TICKS == 0:
-                self._replan()
-                if self.plan is not None and self.plan.state in ENDINGS:
-                    ending = ENDINGS[self.plan.state]
+                plan = self._replan()
+                seen = None if watch is None else watch(self)
+                if plan.state in ENDINGS or seen is not None:
+                    ending = seen or ENDINGS[plan.state]
                     break
             self._advance()
-        plan = self.plan
-        cause = '' if plan is None or ending is Ending.REACHED else plan.cause
+        last = self.plan
+        cause = '' if last is None or ending is Ending.REACHED else last.cause
         outcome = Outcome(ending=ending, cause=cause, time=self._robot.time,
-                          subgoals=0 if plan is None else plan.subgoal_count,
+                          subgoals=0 if last is None else last.subgoal_count,
                           contacts=self._mapper.accepted, wall=time.monotonic() - began)
         return outcome, self._scorer.score()
 
@@ -115,14 +130,17 @@ class KinematicLoop:
         ended = robot.step(TICK)
         feet = robot.feet()
         for leg in ended:
-            self._mapper.add(self._touch.feel(leg, feet[leg], robot.time))
+            sample = self._mapper.add(self._touch.feel(leg, feet[leg], robot.time))
+            if isinstance(sample, TerrainSample):
+                self.record.note_sample(sample)
         self._scorer.observe(robot.pose[:2], feet, TICK)
+        self.record.path.append((robot.time, float(robot.pose[0]), float(robot.pose[1])))
 
     def _believed(self) -> FloatArray:
         noise = ODOMETRY_DEVIATION * self._generator.normal(size=2)
         return self._robot.pose + np.append(noise, 0.0)
 
-    def _replan(self) -> None:
+    def _replan(self) -> Plan:
         now = self._robot.time
         mean, std = self._published_maps()
         plan = self._planner.update(mean, std, self._believed(), self._goal, now)
@@ -131,6 +149,8 @@ class KinematicLoop:
         self._controller.set_region(plan.region, now)
         self._controller.set_subgoal(plan.subgoal, plan.march, plan.subgoal_is_goal, now)
         self._scorer.certified(plan.certified)
+        self.record.note_plan(plan, now, (mean, std))
+        return plan
 
     def _published_maps(self) -> tuple[FloatArray, FloatArray]:
         """Return slip mean and std as another node would read them off the topics."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from psane_mapping.leg import RobotModel
 from psane_sim.configuration import SimulatorConfiguration
-from psane_sim.feed_forward import STRAIGHT_SWEEP
+from psane_sim.feed_forward import STRAIGHT_SWEEP, Sweep
 from psane_sim.gait import wrap
 from psane_sim.hexapod import HexapodSimulator
 from psane_sim.terrain import Terrain
@@ -61,7 +61,7 @@ class Stride:
 def measure_slip(strength: float, *, linear: float = REFERENCE_SPEED, angular: float = 0.0,
                  warm_up: float = 4.0, duration: float = 8.0,
                  config: SimulatorConfiguration | None = None, robot: RobotModel | None = None,
-                 rigid_speed: float = RIGID_SPEED) -> Stride:
+                 rigid_speed: float = RIGID_SPEED, sweep: Sweep | None = None) -> Stride:
     """Walk on uniform ground and measure.
 
     Parameters
@@ -75,11 +75,16 @@ def measure_slip(strength: float, *, linear: float = REFERENCE_SPEED, angular: f
     robot : RobotModel, optional
     rigid_speed : float
         Speed without slip for this command [m/s].
+    sweep : Sweep, optional
+        Walked instead of the command.
     """
     config = config or SimulatorConfiguration()
     terrain = Terrain.uniform(strength)
     with HexapodSimulator(config, terrain, (5.0, 5.0, 0.0), robot=robot) as simulator:
-        simulator.command(linear, angular)
+        if sweep is None:
+            simulator.command(linear, angular)
+        else:
+            simulator.walk(sweep)
         simulator.step(round(warm_up / config.time_step))
         depth = tilt = turned = path = 0.0
         before = simulator.truth()

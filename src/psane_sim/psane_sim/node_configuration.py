@@ -13,6 +13,9 @@ class SimulatorNodeConfiguration(Configuration):
     terrain: str = parameter(
         'env1', 'terrain by name (env1, env2, smooth:SEED, patchy:SEED, corridors:SEED) or as the '
         'path of a .csv, .npy or GeoTIFF file', read_only=True)
+    strength_factor: float = parameter(
+        1.0, "multiplies the terrain's strength, for a robot that needs firmer ground than the "
+        'default one', low=0.001, high=1000.0, read_only=True)
     use_start: bool = parameter(
         False, "start at start_x, start_y, start_yaw instead of the terrain's own start",
         read_only=True)
@@ -24,12 +27,18 @@ class SimulatorNodeConfiguration(Configuration):
     pace: float = parameter(
         1.0, 'simulated seconds for each second on the wall, where the machine can keep up',
         low=0.01, high=100.0, read_only=True)
+    follow_clock: bool = parameter(
+        False, 'publish no /clock, and keep step with the one that another simulator publishes: '
+        'for a second robot in its world', read_only=True)
     command_timeout: float = parameter(
         0.25, 'simulated time after the last command at which the robot stops by itself; it then '
         'stands within 0.2 s', unit='s', low=0.06, high=5.0)
     truth_file: str = parameter(
         '', 'write the true poses to this CSV file, for scoring (they are on no topic)',
         read_only=True)
+    awaited_listener: str = parameter(
+        '', 'time begins when the node of this name listens to all topics of the simulator, so '
+        'that a recorder misses nothing', read_only=True)
     map_frame: str = parameter('map', 'fixed frame of transforms', read_only=True)
     odom_frame: str = parameter('odom', 'frame of odometry', read_only=True)
     base_frame: str = parameter('base_link', 'frame of the body', read_only=True)

@@ -4,12 +4,14 @@
 import math
 
 import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
 from psane_mapping import conversions
+from psane_mapping.grid import FloatArray
 from psane_mapping.map_cells import slip_of_cells
 from psane_mapping.quality_of_service import CONTACTS, DEFAULT, LATCHED, ODOMETRY_INPUT
 from psane_mapping.running import Intake
@@ -21,7 +23,17 @@ from psane_sim.progress import Progress
 from psane_sim.run_record import RunRecord
 from psane_sim.scoring import Scorer
 
-FRAME = 'map'
+FRAME, PLANNER = 'map', 'safe_planner'
+REFUSALS = ('rejected', 'stances dropped')
+"""How values of diagnostics begin that count stances that were not used, for a reason."""
+
+SHARED = ('slip/mean', 'slip/std', 'map_scale', 'terrain_samples')
+"""Topics of the one mapper of several robots."""
+
+
+def shared_map_arguments() -> list[str]:
+    """Return the ROS arguments by which a node in a namespace hears the map of the root."""
+    return ['--ros-args', *(word for topic in SHARED for word in ('-r', f'{topic}:=/{topic}'))]
 
 
 class Observer(Node):
@@ -32,16 +44,20 @@ class Observer(Node):
     record : RunRecord
     scorer : Scorer
         Is told each new safe map.
+    robot : str
+        Namespace of the robot that is listened to; the maps are then those of the root.
     """
 
-    def __init__(self, record: RunRecord, scorer: Scorer) -> None:
-        super().__init__('demo')
+    def __init__(self, record: RunRecord, scorer: Scorer, robot: str = '') -> None:
+        super().__init__('demo', namespace=robot,
+                         cli_args=shared_map_arguments() if robot else None)
         self._record = record
         self._scorer = scorer
         self._std_scale = math.nan
         self.status: PlannerStatus | None = None
         self.time = 0.0
         self.speed = math.nan
+        self.position: FloatArray | None = None
         self._goal = self.create_publisher(PoseStamped, 'goal_pose', DEFAULT)
         intake = Intake(self)
         intake.subscribe(Clock, '/clock', self._take_clock, DEFAULT)
@@ -55,10 +71,12 @@ class Observer(Node):
         intake.subscribe(FrontierArray, 'frontiers', self._take_frontier, LATCHED)
         intake.subscribe(SafeRegion, 'safe_region', self._take_region, LATCHED)
         intake.subscribe(PoseStamped, 'subgoal', self._take_subgoal, LATCHED)
+        intake.subscribe(DiagnosticArray, '/diagnostics', self._take_diagnostics, DEFAULT)
 
     def is_heard(self) -> bool:
-        """Tell whether a planner listens for goals."""
-        return self._goal.get_subscription_count() > 0
+        """Tell whether the planner listens for goals; others may, such as a recorder."""
+        return any(info.node_name == PLANNER
+                   for info in self.get_subscriptions_info_by_topic(self._goal.topic_name))
 
     def send_goal(self, goal: tuple[float, float]) -> None:
         """Publish the goal (x, y), map frame [m]."""
@@ -84,11 +102,20 @@ class Observer(Node):
                         contacts=contacts, state=PlannerState(status.state).name,
                         cause=status.cause)
 
+    def _take_diagnostics(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            for entry in status.values:
+                kind, _, reason = entry.key.partition(': ')
+                if kind in REFUSALS and entry.value.isdecimal():
+                    self._record.refused[reason] = int(entry.value)
+
     def _take_clock(self, message: Clock) -> None:
         self.time = conversions.seconds(message.clock)
 
     def _take_odometry(self, message: Odometry) -> None:
         velocity = message.twist.twist.linear
+        pose = message.pose.pose.position
+        self.position = np.array([pose.x, pose.y])
         self.speed = math.hypot(velocity.x, velocity.y)
 
     def _take_status(self, message: PlannerStatus) -> None:

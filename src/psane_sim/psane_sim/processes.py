@@ -99,6 +99,11 @@ class Processes:
     def _log_of(self, name: str) -> Path:
         return self._logs / f'{name}.log'
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the processes that were started here and not stopped."""
+        return tuple(self._running)
+
     def identity(self, name: str) -> int:
         """Return the process id of a process that was started here."""
         return self._running[name].pid

@@ -5,16 +5,17 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Protocol
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from psane_mapping.grid import FloatArray
 from psane_mapping.leg import RobotModel
 from psane_sim.quiet_pybullet import pybullet
 from psane_sim.robot_body import load_robot
 from psane_sim.terrain import Terrain
-from psane_sim.truth import Truth
 
 _TEXELS = 2048
 
@@ -45,6 +46,26 @@ class Camera:
     field_of_view: float = 0.7
 
 
+class Seen(Protocol):
+    """What of a robot can be seen; `Truth` has it all."""
+
+    @property
+    def position(self) -> FloatArray:
+        """Origin of the base frame (3,), map frame [m]."""
+
+    @property
+    def quaternion(self) -> FloatArray:
+        """Attitude of the base in the map, x y z w (4,) [-]."""
+
+    @property
+    def joint_angle(self) -> FloatArray:
+        """Hip joints (6,) [rad]."""
+
+    @property
+    def yaw(self) -> float:
+        """Heading [rad]."""
+
+
 class Renderer:
     """Draws truths of one robot on one terrain; it has an engine of its own.
 
@@ -62,7 +83,7 @@ class Renderer:
         self._body = load_robot(robot or RobotModel(), self._client, visible=True)
         add_ground(terrain, self._client)
 
-    def frame(self, truth: Truth, width: int = 640, height: int = 480,
+    def frame(self, truth: Seen, width: int = 640, height: int = 480,
               camera: Camera | None = None) -> NDArray[np.uint8]:
         """Draw a truth; returns (height, width, 3) uint8, red green blue."""
         camera = camera or Camera()

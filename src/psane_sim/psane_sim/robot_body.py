@@ -8,6 +8,7 @@ import numpy as np
 
 from psane_mapping.grid import FloatArray
 from psane_mapping.leg import LEG_NAMES, RobotModel
+from psane_sim.leg_mesh import half_circle
 from psane_sim.quiet_pybullet import pybullet
 
 _BODY_COLOUR = '0.16 0.24 0.38 1'
@@ -68,21 +69,8 @@ def _leg_urdf(robot: RobotModel, index: int, visible: bool) -> str:
 
 def half_circle_mesh(robot: RobotModel, pieces: int = 24) -> str:
     """Return a half-circle leg as the text of a Wavefront OBJ file."""
-    angle = np.linspace(0.0, np.pi, pieces + 1)
-    half = robot.leg_width / 2.0
-    thick = robot.leg_thickness / 2.0
-    corners = ((thick, half), (thick, -half), (-thick, -half), (-thick, half))
-    vertices = [(-(robot.leg_radius + out) * np.sin(a), y,
-                 (robot.leg_radius + out) * np.cos(a) - robot.leg_radius)
-                for a in angle for out, y in corners]
-    faces = []
-    for piece in range(pieces):
-        for corner in range(4):
-            a, b = 4 * piece + corner, 4 * piece + (corner + 1) % 4
-            faces += [(a, b, b + 4), (a, b + 4, a + 4)]
-    last = 4 * pieces
-    faces += [(0, 2, 1), (0, 3, 2), (last, last + 1, last + 2), (last, last + 2, last + 3)]
-    return _obj_text(np.array(vertices), faces)
+    vertices, faces = half_circle(robot, pieces)
+    return _obj_text(vertices, [(int(a), int(b), int(c)) for a, b, c in faces])
 
 
 def _obj_text(vertices: FloatArray, faces: list[tuple[int, int, int]]) -> str:

@@ -13,6 +13,8 @@ from psane_sim.catalogue import load_terrain
 from psane_sim.configuration import SimulatorConfiguration
 from psane_sim.hexapod import HexapodSimulator
 
+PARTS = 5
+
 MEANINGS = {
     'rtf_simulator': 'simulated / wall time, walking on env1 with footprints, one core',
     'engine_step_us': "the engine's own step",
@@ -30,17 +32,21 @@ def measure(duration: float = 10.0) -> dict[str, float]:
     Parameters
     ----------
     duration : float
-        Simulated time that is walked for the real-time factor [s].
+        Simulated time that is walked for the real-time factor [s]; it is the best of five parts,
+        since on a machine that is busy with something else the others measure that.
     """
     config = SimulatorConfiguration(footprints=True)
     with HexapodSimulator(config, load_terrain('env1'), (2.0, 7.0, 0.0)) as simulator:
         simulator.command(0.2, 0.15)
         simulator.step(1000)
-        ticks = round(duration / config.time_step)
-        began = time.perf_counter()
-        simulator.step(ticks)
-        wall = time.perf_counter() - began
-        return {'rtf_simulator': duration / wall, **tick_costs(simulator, 2000)}
+        ticks = round(duration / PARTS / config.time_step)
+        walls = []
+        for _ in range(PARTS):
+            began = time.perf_counter()
+            simulator.step(ticks)
+            walls.append(time.perf_counter() - began)
+        return {'rtf_simulator': ticks * config.time_step / min(walls),
+                **tick_costs(simulator, 2000)}
 
 
 def tick_costs(simulator: HexapodSimulator, ticks: int) -> dict[str, float]:

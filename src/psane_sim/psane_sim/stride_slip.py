@@ -7,23 +7,24 @@
 import argparse
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from psane_mapping.grid import FloatArray
-from psane_sim.configuration import SimulatorConfiguration
+from psane_mapping.grid import FloatArray, Grid
 from psane_sim.gait import wrap
-from psane_sim.hexapod import HexapodSimulator
-from psane_sim.terrain import Terrain
+from psane_sim.steered_walks import SteeredWalks, read_walks
+from psane_sim.strength_field import interpolate
+from psane_sim.truth_log import TruthEntry
 
-LEAST_SPEED, LARGEST_TURN = 0.12, 0.2
-"""A stride counts when the same commands would have taken the robot forward at least this fast on
-hard ground [m/s] and when it was told to turn, on average, by no more than this [rad/s]: spot
-turns and marches have no slip ratio."""
+WALKS = Path(__file__).parent / 'data' / 'calibration' / 'x_rhex_walks.csv'
+"""Of the default robot."""
 
-Steps = list[tuple[float, float, float, float, float, float]]
-"""Time [s], true x, y [m] and yaw [rad], and the command [m/s], [rad/s] in force from then on."""
+LEAST_ADVANCE = 0.16
+"""A stride counts when on the firmest ground its sweeps would have carried the robot forward at
+least this far [m], and both sides walked forward throughout: spot turns, marches and walking
+backward have no slip that the curve is about."""
 
 
 @dataclass(frozen=True)
@@ -34,91 +35,118 @@ class StrideSlip:
     ----------
     time : float
         At its end [s].
-    point : (2,) float, map frame [m]
-        Middle of the way of the body's centre.
+    way : (n, 2) float, map frame [m]
+        Of the body's centre.
     slip : float [-]
-        1 - way / way that the same commands make on hard ground.
-    turn : float [rad/s]
-        Mean size of the commanded yaw rate.
+        Of a straight walk on uniform ground where the same sweeps make the same advance.
     """
 
     time: float
-    point: FloatArray
+    way: FloatArray
     slip: float
-    turn: float
 
 
-def ways_ahead(steps: FloatArray) -> FloatArray:
-    """Return how far the body went along its heading between rows (n, >= 4) of steps, (n - 1,)."""
-    yaw = steps[:-1, 3] + 0.5 * np.array([wrap(turn) for turn in np.diff(steps[:, 3])])
-    step = np.diff(steps[:, 1:3], axis=0)
+def ways_ahead(poses: FloatArray) -> FloatArray:
+    """Return how far the body went along its heading between poses (n, 3), (n - 1,) [m]."""
+    yaw = poses[:-1, 2] + 0.5 * np.array([wrap(turn) for turn in np.diff(poses[:, 2])])
+    step = np.diff(poses[:, :2], axis=0)
     return np.asarray(step[:, 0] * np.cos(yaw) + step[:, 1] * np.sin(yaw))
 
 
-def on_hard_ground(steps: FloatArray, config: SimulatorConfiguration) -> FloatArray:
-    """Return the steps (n, 6) that the same commands make on hard ground."""
-    found = steps.copy()
-    pose = tuple(float(value) for value in steps[0, 1:4])
-    with HexapodSimulator(replace(config, soil='rigid', footprints=False), Terrain.uniform(1.0),
-                          (pose[0], pose[1], pose[2])) as simulator:
-        for row, following in zip(range(len(steps) - 1), steps[1:], strict=True):
-            simulator.command(float(steps[row, 4]), float(steps[row, 5]))
-            simulator.step(round((following[0] - steps[row, 0]) / config.time_step))
-            found[row + 1, 1:4] = simulator.truth().pose
-    return found
+def strides_of(entries: Sequence[TruthEntry], walks: SteeredWalks,
+               frequency: float) -> list[StrideSlip]:
+    """Cut a run into strides, one turn of the clock each, and return those that have a slip.
 
-
-def strides_of(steps: Steps, config: SimulatorConfiguration) -> list[StrideSlip]:
-    """Cut a run into strides and return the slip of those that have one."""
-    table = np.array(steps)
-    real, hard = ways_ahead(table), ways_ahead(on_hard_ground(table, config))
-    period = 1.0 / config.stride_frequency
+    Parameters
+    ----------
+    entries : sequence of TruthEntry
+    walks : SteeredWalks
+        Of the robot that walked.
+    frequency : float
+        Of its strides [1/s].
+    """
+    if len(entries) < 2:
+        return []
+    time = np.array([entry.time for entry in entries])
+    poses = np.array([entry.pose for entry in entries])
+    sweep = np.array([entry.sweep for entry in entries])[:-1]
+    ways = ways_ahead(poses)
+    share = frequency * np.diff(time)[:, None]
+    expected = share * walks.advances(0.5 * (sweep[:, 0] + sweep[:, 1]),
+                                      0.5 * (sweep[:, 1] - sweep[:, 0]))
+    is_forward = np.asarray(sweep[:, 2:].min(axis=1) > 0.0)
     strides, first = [], 0
-    for last in range(1, len(table)):
-        duration = table[last, 0] - table[first, 0]
-        if duration < period - 1e-9:
+    for last in range(1, len(time)):
+        if time[last] - time[first] < 1.0 / frequency - 1e-9:
             continue
-        rows = slice(first, last)
-        turn = float(np.abs(table[rows, 5]).mean())
-        if hard[rows].sum() >= LEAST_SPEED * duration and turn <= LARGEST_TURN:
-            strides.append(StrideSlip(float(table[last, 0]), table[rows, 1:3].mean(axis=0),
-                                      float(1.0 - real[rows].sum() / hard[rows].sum()), turn))
-        first = last
+        rows, first = slice(first, last), last
+        asked = expected[rows].sum(axis=0)
+        if is_forward[rows].all() and asked.max() >= LEAST_ADVANCE:
+            strides.append(StrideSlip(float(time[last]), poses[rows, :2],
+                                      walks.slip_of(float(ways[rows].sum()), asked)))
     return strides
 
 
+@dataclass(frozen=True)
+class StrideComparison:
+    """What the map, or the truth, says along each stride less the slip that was measured.
+
+    Parameters
+    ----------
+    error : (n,) float [-]
+    """
+
+    error: FloatArray
+
+    @property
+    def rmse(self) -> float:
+        """Root mean square; NaN without a stride."""
+        return math.sqrt(float(np.mean(np.square(self.error)))) if len(self.error) else math.nan
+
+    @property
+    def mean(self) -> float:
+        """Mean, below 0 where the ground looked better than it was; NaN without a stride."""
+        return float(np.mean(self.error)) if len(self.error) else math.nan
+
+
+def compare(strides: Sequence[StrideSlip], grid: Grid, slip: FloatArray) -> StrideComparison:
+    """Compare a map of slip (rows, columns) with strides, each over the cells that it crossed."""
+    return StrideComparison(np.array([
+        float(interpolate(grid, slip, stride.way).mean()) - stride.slip for stride in strides]))
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run env1 and compare the map's slip, and the true one, with that of the strides."""
+    """Run a terrain and compare the map's slip, and the true one, with that of the strides."""
     from psane_sim.catalogue import load_terrain
     from psane_sim.closed_loop import ClosedLoop, Settings
-    from psane_sim.strength_field import interpolate
     from psane_sim.summary import Task
 
     parser = argparse.ArgumentParser(description=main.__doc__)
     parser.add_argument('--seeds', type=int, default=5)
-    terrain, settings = load_terrain('env1'), Settings()
-    mapped, true = [], []
-    for seed in range(parser.parse_args(arguments).seeds):
-        loop = ClosedLoop(Task(terrain='env1', start=terrain.start, goal=terrain.goal,
+    parser.add_argument('--terrain', default='env1')
+    options = parser.parse_args(arguments)
+    terrain, settings, walks = load_terrain(options.terrain), Settings(), read_walks(WALKS)
+    errors: dict[str, list[FloatArray]] = {'map': [], 'truth': []}
+    for seed in range(options.seeds):
+        loop = ClosedLoop(Task(terrain=options.terrain, start=terrain.start, goal=terrain.goal,
                                strategy='psane_geodesic', threshold=0.5, seed=seed,
                                duration=120.0), terrain, terrain.start_pose, settings)
         loop.run()
-        strides = strides_of(loop.record.steps, settings.simulator)
-        points = np.array([stride.point for stride in strides]).reshape(-1, 2)
-        slip = np.array([stride.slip for stride in strides])
-        if loop.record.slip_mean is None or not strides:
+        record = loop.record
+        strides = strides_of(record.truth, walks, settings.simulator.stride_frequency)
+        if record.slip_mean is None or not strides:
             continue
-        mapped.append(interpolate(loop.record.grid, loop.record.slip_mean, points) - slip)
-        true.append(terrain.true_slip(points) - slip)
-        print(f'seed {seed}: {len(slip)} strides; from the measured slip the map is off by '
-              f'{_rmse(mapped[-1]):.3f}, the truth by {_rmse(true[-1]):.3f} (RMSE)', flush=True)
-    for name, errors in (('map', np.concatenate(mapped)), ('truth', np.concatenate(true))):
-        print(f'{name} - measured slip of {len(errors)} strides: RMSE {_rmse(errors):.3f}, mean '
-              f'{errors.mean():+.3f}, median {np.median(errors):+.3f}')
-
-
-def _rmse(errors: FloatArray) -> float:
-    return math.sqrt(float(np.mean(np.square(errors))))
+        felt = compare(strides, record.grid, record.slip_mean)
+        true = compare(strides, terrain.grid, terrain.slip)
+        errors['map'].append(felt.error)
+        errors['truth'].append(true.error)
+        print(f'seed {seed}: {len(strides)} strides; from the measured slip the map is off by '
+              f'{felt.rmse:.3f} ({felt.mean:+.3f}), the truth by {true.rmse:.3f} '
+              f'({true.mean:+.3f}) (RMSE, mean)', flush=True)
+    for name, parts in errors.items():
+        whole = StrideComparison(np.concatenate(parts))
+        print(f'{name} - measured slip of {len(whole.error)} strides: RMSE {whole.rmse:.3f}, mean '
+              f'{whole.mean:+.3f}, median {np.median(whole.error):+.3f}')
 
 
 if __name__ == '__main__':

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from psane_sim.scoring import Score
+from psane_sim.touch_summary import touch_in_words
 
 VERSIONED = ('numpy', 'scipy', 'shapely', 'opencv-python-headless', 'numba', 'pybullet')
 
@@ -20,6 +21,7 @@ class Ending(Enum):
     REACHED = 'the goal is reached'
     EXPLORED = 'no ground is left that could be certified'
     STALLED = 'the planner has nothing left to try'
+    STUCK = 'the robot has sunk in and does not get away'
     TIMEOUT = 'the time is over'
     INTERRUPTED = 'interrupted by the user'
     NODE_DIED = 'a node died'
@@ -36,6 +38,8 @@ class Task:
     threshold: float
     seed: int
     duration: float
+    robot: str = 'x_rhex'
+    soil: str = 'granular'
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,8 +88,12 @@ def versions() -> dict[str, str]:
     return found
 
 
-def summarise(task: Task, outcome: Outcome, score: Score) -> dict[str, Any]:
-    """Return the summary; only the object `timing` may differ between equal runs."""
+def summarise(task: Task, outcome: Outcome, score: Score,
+              touch: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Return the summary; only the object `timing` may differ between equal runs.
+
+    `touch` is what `touch_summary` says of the run.
+    """
     numbers = {name: round(value, 6) for name, value in asdict(score).items()}
     return {
         'success': is_success(task, outcome, score),
@@ -95,6 +103,7 @@ def summarise(task: Task, outcome: Outcome, score: Score) -> dict[str, Any]:
         **numbers,
         'subgoals': outcome.subgoals,
         'contacts': outcome.contacts,
+        **(touch or {}),
         **asdict(task),
         'versions': versions(),
         'timing': {'real_time_factor': round(outcome.time / max(outcome.wall, 1e-9), 2),
@@ -115,6 +124,7 @@ def in_words(summary: dict[str, Any]) -> str:
     reason = Ending[summary['reason']].value
     cause = f' ({summary["cause"]})' if summary['cause'] else ''
     timing = summary['timing']
+    touch = touch_in_words(summary)
     return '\n'.join((
         f'{verdict}: {reason}{cause}',
         f'  time                  {summary["time_s"]:.1f} s simulated, {timing["wall_s"]:.1f} s '
@@ -126,4 +136,5 @@ def in_words(summary: dict[str, Any]) -> str:
         f'  certified             {summary["certified_cells"]} cells, '
         f'{summary["false_certified_cells"]} of them wrongly at any time, '
         f'coverage {100.0 * summary["coverage"]:.0f} %',
+        *touch,
     ))

@@ -2,7 +2,7 @@
 """A terrain: slip over the workspace, and the strength of the ground that makes it."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,6 +105,12 @@ class Terrain:
         slip = np.asarray(CalibratedSlipCurve().slip(values))
         return cls(f'uniform {strength:g}', grid, slip, StrengthField(grid, np.log(values)),
                    start=(5.0, 5.0), goal=(9.0, 5.0), extent=(-1e6, -1e6, 1e6, 1e6))
+
+    def scaled(self, factor: float) -> 'Terrain':
+        """Return the same ground, firmer by a factor [-]; its slip is not changed."""
+        field = self.strength_field
+        return replace(self, strength_field=StrengthField(
+            field.grid, field.log_strength + math.log(factor)))
 
     @property
     def start_pose(self) -> tuple[float, float, float]:

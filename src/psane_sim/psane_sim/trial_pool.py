@@ -5,11 +5,12 @@ import multiprocessing
 import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from typing import Any
+from typing import Any, TypeVar
 
 from psane_sim.errors import AuditError
 
 Row = dict[str, Any]
+Result = TypeVar('Result')
 
 ONE_THREAD = ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS', 'NUMBA_NUM_THREADS')
 """Variables that keep a worker to its core."""
@@ -31,8 +32,8 @@ def run_locally(run: Callable[..., Row], trials: Sequence[Any], shared: Any, wor
             pool.shutdown(wait=False, cancel_futures=True)
 
 
-def run_on_cluster(run: Callable[..., Row], trials: Sequence[Any], shared: Any, address: str
-                   ) -> Iterator[Row]:
+def run_on_cluster(run: Callable[..., Result], trials: Sequence[Any], shared: Any, address: str
+                   ) -> Iterator[Result]:
     """Yield ``run(trial, shared=shared)`` of every trial, as they finish, from a Dask cluster.
 
     Its workers must have the same packages installed.

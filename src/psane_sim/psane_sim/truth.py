@@ -5,6 +5,7 @@ import math
 from dataclasses import dataclass
 
 from psane_mapping.grid import FloatArray
+from psane_sim.feed_forward import Sweep
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,8 @@ class Truth:
         Deepest point of the belly [m]; negative above the ground.
     belly_force : (3,) float
         The ground's force on the belly, map frame [N].
+    sweep : Sweep
+        Stance sweeps that are in force.
     """
 
     time: float
@@ -62,6 +65,7 @@ class Truth:
     foot_depth: FloatArray
     belly_depth: float
     belly_force: FloatArray
+    sweep: Sweep
 
     @property
     def yaw(self) -> float:

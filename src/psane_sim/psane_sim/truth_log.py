@@ -10,10 +10,12 @@ import numpy as np
 
 from psane_mapping.grid import FloatArray
 from psane_sim.errors import SimulationError
+from psane_sim.feed_forward import Sweep
 from psane_sim.truth import Truth
 
 FEET = 6
 COLUMNS = ['time_s', 'x_m', 'y_m', 'yaw_rad', 'speed_m_s',
+           'sweep_left_rad', 'sweep_right_rad', 'swing_left', 'swing_right',
            *[f'foot{leg}_{axis}_m' for leg in range(FEET) for axis in 'xy']]
 
 
@@ -33,12 +35,15 @@ class TruthEntry:
     speed : float
         Of the body's centre along the ground [m/s].
     feet : (6, 2) float, map frame [m]
+    sweep : Sweep
+        Stance sweeps that are in force.
     """
 
     time: float
     pose: FloatArray
     speed: float
     feet: FloatArray
+    sweep: Sweep
 
     @classmethod
     def of(cls, truth: Truth) -> 'TruthEntry':
@@ -46,7 +51,8 @@ class TruthEntry:
         feet = np.array(truth.foot[:, :2])
         feet[truth.foot_depth <= 0.0] = np.nan
         return cls(time=truth.time, pose=np.array(truth.pose),
-                   speed=float(np.hypot(truth.velocity[0], truth.velocity[1])), feet=feet)
+                   speed=float(np.hypot(truth.velocity[0], truth.velocity[1])), feet=feet,
+                   sweep=truth.sweep)
 
     @property
     def grounded_feet(self) -> FloatArray:
@@ -70,7 +76,7 @@ class TruthLog:
 
     def write(self, entry: TruthEntry) -> None:
         """Add one entry."""
-        row = [entry.time, *entry.pose, entry.speed, *entry.feet.ravel()]
+        row = [entry.time, *entry.pose, entry.speed, *entry.sweep, *entry.feet.ravel()]
         self._writer.writerow([f'{value:.6g}' for value in row])
         self._file.flush()
 
@@ -102,5 +108,6 @@ def read_truth(path: Path) -> list[TruthEntry]:
             continue
         values = np.array(row, dtype=np.float64)
         entries.append(TruthEntry(time=float(values[0]), pose=values[1:4], speed=float(values[4]),
-                                  feet=values[5:].reshape(FEET, 2)))
+                                  sweep=Sweep(*(float(value) for value in values[5:9])),
+                                  feet=values[9:].reshape(FEET, 2)))
     return entries

@@ -1,18 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The strategies by name; a new one is one file and one line here."""
+"""The strategies by name: each public `Strategy` in a file of this folder is one."""
+
+import pkgutil
+from collections.abc import Iterator
+from importlib import import_module
 
 from psane_planner.errors import StrategyError
-from psane_planner.strategies.ngh import NaiveGoalHeuristic
-from psane_planner.strategies.pgh import ParetoGoalHeuristic
-from psane_planner.strategies.psane import Psane
-from psane_planner.strategies.psane_geodesic import PsaneGeodesic
-from psane_planner.strategies.sgh import SafeGoalHeuristic
 from psane_planner.strategies.strategy import Strategy, Traits
 
-AVAILABLE: dict[str, type[Strategy]] = {
-    kind.name: kind
-    for kind in (PsaneGeodesic, Psane, ParetoGoalHeuristic, SafeGoalHeuristic, NaiveGoalHeuristic)
-}
+
+def _found() -> Iterator[type[Strategy]]:
+    for file in pkgutil.iter_modules(__path__):
+        module = import_module(f'{__name__}.{file.name}')
+        for entry in vars(module).values():
+            if isinstance(entry, type) and issubclass(entry, Strategy) \
+                    and entry.__module__ == module.__name__ and hasattr(entry, 'name'):
+                yield entry
+
+
+AVAILABLE: dict[str, type[Strategy]] = {kind.name: kind for kind in _found()}
 
 
 def make_strategy(name: str) -> Strategy:
