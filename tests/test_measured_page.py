@@ -3,9 +3,14 @@
 
 import re
 
+import pytest
+from source_tree import ROOT
+
 from psane_sim import measured_page, simulator_benchmark
 from psane_sim.bench import PARTS
 from psane_sim.measured_page import HEADINGS, meaning_of, page_of
+
+PAGE = ROOT / 'docs' / 'measured.md'
 
 
 def rows(text):
@@ -30,3 +35,12 @@ def test_patterns_of_meanings_do_not_hide_each_other():
     for name in simulator_benchmark.MEANINGS:
         fitting = [p for p, _ in measured_page.MEANINGS if re.fullmatch(p, name)]
         assert len(fitting) == 1, name
+
+
+@pytest.mark.parametrize('part', PARTS)
+def test_the_committed_page_is_whole_and_leaves_no_figure_unexplained(part):
+    text = PAGE.read_text()
+    section = text.split(f'## {HEADINGS[part]}')[1].split('\n## ')[0]
+    assert rows(section)
+    assert all(meaning for _, _, meaning in rows(section)), [
+        name for name, _, meaning in rows(section) if not meaning]
