@@ -334,3 +334,14 @@ def test_with_the_footprint_in_mind_no_foot_leaves_certified_ground_at_any_headi
     assert wide.certified[cells[:, 0], cells[:, 1]].all()
     # The point that is steered to counts the same way.
     assert wide.region.contains(shapely.Point(*wide.subgoal))
+
+
+def test_on_ground_with_slip_just_below_the_threshold_the_search_goes_on_cell_by_cell():
+    mean, std = felt((2, 2, 1.0), slip=0.42)
+    std[mean == 0.42] = 0.03
+    planner = planner_of()
+    plan = planner.update(mean, std, pose(2, 2), np.array((4.5, 2.0)), 0.0)
+    # The cones of Algorithm 1 are smaller than a cell here, and the paper's strategy is at an end.
+    assert plan.state is State.SEEKING and plan.subgoal is not None and plan.frontier.pareto.any()
+    paper = planner_of(strategy='psane').update(mean, std, pose(2, 2), np.array((4.5, 2.0)), 0.0)
+    assert paper.subgoal is None and not paper.frontier.eligible.any()

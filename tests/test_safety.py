@@ -102,12 +102,12 @@ def test_when_contacts_end_nothing_more_is_certified(monkeypatch):
     loop = loop_of(25.0)
     lost = 10.0
     areas = {}
-    note = loop._note
+    note = loop.record.note_plan
 
-    def noting(plan, now):
+    def noting(plan, now, maps):
         areas[now] = int(plan.certified.sum())
-        note(plan, now)
-    monkeypatch.setattr(loop, '_note', noting)
+        note(plan, now, maps)
+    monkeypatch.setattr(loop.record, 'note_plan', noting)
     monkeypatch.setattr(loop._contact_sensor, 'update', Silence(
         loop._contact_sensor.update, lambda: loop._simulator.time > lost, answer=[]))
     _, score = loop.run()

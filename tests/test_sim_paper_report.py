@@ -29,6 +29,8 @@ from psane_sim.terrain import Terrain
 TASKS = (replace(SHORT, duration=11.0),
          replace(SHORT, name='explore_short', has_goal=False, duration=11.0))
 
+UNTIMED = {'timing': {'work_s': 0.0}}
+
 
 def run(*arguments):
     with pytest.raises(SystemExit) as status:
@@ -125,6 +127,21 @@ def test_an_unknown_row_is_answered_with_the_list(experiment, capsys):
     assert 'goal_short-ngh-0' in capsys.readouterr().err
 
 
+def test_a_report_of_a_part_runs_nothing_and_leaves_out_what_is_missing(experiment, tmp_path,
+                                                                        monkeypatch, capsys):
+    monkeypatch.setattr(paper, 'PAPER_TASKS', TASKS)
+    copy = tmp_path / 'copy'
+    shutil.copytree(experiment, copy)
+    for path in (copy / 'rows').glob('*ngh*'):
+        path.unlink()
+    names = set(rows_of(copy))
+    assert run('paper', '--kinematic', '--trials', 5, '--report-only', '--out', copy) == 0
+    assert set(rows_of(copy)) == names
+    assert '| ngh |' not in capsys.readouterr().out
+    assert run('paper', '--kinematic', '--report-only', '--out', tmp_path / 'empty') == 2
+    assert 'holds no trial yet' in capsys.readouterr().err
+
+
 class FakeFuture:
     def __init__(self, value):
         self._value = value
@@ -167,11 +184,36 @@ def test_a_senseless_terrain_is_reported_before_the_run(tmp_path, monkeypatch, c
     made = Terrain.from_slip('walled', slip, (5.0, 2.0), (5.0, 8.0))
     monkeypatch.setattr(paper, 'load_terrain', lambda name: made)
     monkeypatch.setattr(paper, 'PAPER_TASKS', TASKS[:1])
-    monkeypatch.setattr(paper, '_run_missing', lambda *everything: {})
-    monkeypatch.setattr(paper.PaperReport, 'write', lambda self: None)
+    monkeypatch.setattr(paper, '_run_missing', lambda *everything: {'some': UNTIMED})
+    monkeypatch.setattr(paper, 'PaperReport', SilentReport)
     (tmp_path / 'table.md').write_text('')
     assert run('paper', '--out', tmp_path, '--tasks', TASKS[0].name) == 0
     assert 'cannot be reached over safe ground' in capsys.readouterr().err
+
+
+class SilentReport:
+    """Writes nothing of rows that a test has made up."""
+
+    def __init__(self, *everything):
+        pass
+
+    def write(self):
+        pass
+
+
+def test_a_terrain_of_ones_own_is_a_further_task(tmp_path, monkeypatch):
+    mine = tmp_path / 'my map.npy'
+    np.save(mine, np.full((20, 20), 0.1))
+    asked = []
+    monkeypatch.setattr(paper, '_run_missing',
+                        lambda trials, *rest: asked.extend(trials) or {'some': UNTIMED})
+    monkeypatch.setattr(paper, 'PaperReport', SilentReport)
+    (tmp_path / 'table.md').write_text('')
+    assert run('paper', '--out', tmp_path, '--tasks', 'goal_env1', '--trials', 2, '--terrain',
+               mine) == 0
+    assert {(made.task.name, made.task.terrain) for made in asked} == {
+        ('goal_env1', 'env1'), ('goal_my_map', str(mine))}
+    assert len(asked) == 2 * 2 * 5
 
 
 # --- the page

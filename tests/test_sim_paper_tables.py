@@ -71,6 +71,12 @@ def test_a_remark_says_how_ours_stands_to_the_paper(time, words):
     assert words in remark_on(group_of(row(time_s=time)))
 
 
+def test_a_remark_tells_a_detour_from_a_slow_walk():
+    slow = remark_on(group_of(row(time_s=223.62, path_m=14.54)))
+    assert 'time longer (2.00 x), path alike, at 0.07 m/s against 0.13' in slow
+    assert 'm/s' not in remark_on(group_of(row(strategy='sgh')))
+
+
 def test_like_causes_are_counted_together():
     group = group_of(*(row(seed=k, cause=f'the certified area has not grown for {180 + k} s',
                            **lost()) for k in range(3)))

@@ -6,7 +6,7 @@ import socket
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
@@ -30,6 +30,7 @@ coordinate = st.floats(-5.0, 5.0)
 LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 
 
+@settings(deadline=None)
 @given(st.tuples(coordinate, coordinate, st.floats(0.1, 20.0)), st.tuples(coordinate, coordinate))
 def test_a_click_finds_the_point_of_the_ground_that_it_was_aimed_at(origin, target):
     eye = np.array(origin)
@@ -43,6 +44,7 @@ def test_a_click_at_the_sky_finds_nothing(direction):
     assert ground_under(np.array([1.0, 1.0, 3.0]), np.array(direction)) is None
 
 
+@settings(deadline=None)
 @given(st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4).filter(
     lambda q: np.linalg.norm(q) > 0.1))
 def test_an_attitude_is_a_rotation(quaternion):

@@ -73,14 +73,12 @@ def _sweep(cost: FloatArray, fixed: Mask, field: FloatArray, down: bool, right: 
 
 @compiled
 def _relax(cost: FloatArray, fixed: Mask, field: FloatArray) -> None:
-    """Sweep until nothing falls any more."""
-    changed = True
-    while changed:
-        first = _sweep(cost, fixed, field, True, True)
-        second = _sweep(cost, fixed, field, True, False)
-        third = _sweep(cost, fixed, field, False, True)
-        fourth = _sweep(cost, fixed, field, False, False)
-        changed = first or second or third or fourth
+    """Sweep in the four orders in turn until none of them lowers a value any more."""
+    order, idle = 0, 0
+    while idle < 4:
+        changed = _sweep(cost, fixed, field, order < 2, order % 2 == 0)
+        idle = 0 if changed else idle + 1
+        order = (order + 1) % 4
 
 
 @compiled

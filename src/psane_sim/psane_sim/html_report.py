@@ -14,7 +14,7 @@ POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
 KINDS = {'.png': 'image/png', '.webp': 'image/webp', '.gif': 'image/gif'}
 
 STYLE = """
-body { font: 15px/1.45 system-ui, sans-serif; max-width: 75rem; margin: 1.5rem auto;
+body { font: 15px/1.45 system-ui, sans-serif; max-width: 84rem; margin: 1.5rem auto;
        padding: 0 1rem; color: #1b1b1b; }
 nav a { margin-right: 1rem; }
 table { border-collapse: collapse; font-size: .83rem; margin: .8rem 0; display: block;

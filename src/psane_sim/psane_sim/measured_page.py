@@ -22,6 +22,8 @@ PACKAGES = ('numpy', 'numba', 'scikit-learn', 'pybullet', 'shapely')
 _MAP = r'(default|purging)'
 _DRIVES = r'(recorded|snakes|holes|obstacles|obstacles_point)'
 
+_SWITCHED = r'(harmonic|purging|exponential)'
+
 MEANINGS: tuple[tuple[str, str], ...] = (
     ('rtf_simulator', 'simulated / wall time of the simulator alone, footprints on, one core'),
     ('rtf_in_process', 'simulated / wall time of the whole loop in one process'),
@@ -68,6 +70,20 @@ MEANINGS: tuple[tuple[str, str], ...] = (
     (f'{_MAP}_{_DRIVES}_exceptions', r'\1 map, \2: exceptions'),
     (f'{_MAP}_{_DRIVES}_length_median', r'\1 map, \2: way / shortest way inside, median'),
     (f'{_MAP}_{_DRIVES}_length_p95', r'\1 map, \2: way / shortest way inside, 95 % of drives'),
+    (f'{_MAP}_{_DRIVES}_drives', r'\1 map, \2: drives'),
+    (f'{_MAP}_{_DRIVES}_field_share', r'\1 map, \2: of the ways looked up, share from the field'),
+    (f'{_SWITCHED}_positive', r'\1 map: share of points with a positive determinant'),
+    (f'{_SWITCHED}_jacobian', r'\1 map: share of Jacobians equal to differences, to 1e-5'),
+    (f'{_SWITCHED}_distinct', r'\1 map: share of points with an image of their own'),
+    (f'{_SWITCHED}_border', r"\1 map: share of border points on the model's border"),
+    (r'adversary_(\w+)_(subgoals|exits|exceptions|over_limits)',
+     r'\1 map, jumps, swapped regions and nonsense: \2'),
+    (r'(\w+)_left_region_m', r'physics, \1: farthest the centre drove out of its region [m]'),
+    (r'(\w+)_left_share', r'physics, \1: share of the time outside after that'),
+    (r'(\w+)_revoked', r'physics, \1: times that the ground under the centre was revoked'),
+    (r'(\w+)_turning_share', r'physics, \1: share of the time in turns on the spot'),
+    (r'(\w+)_small_turns_share', r'physics, \1: turns at new regions of at most 0.35 rad'),
+    (r'(\w+)_small_turns_same_subgoal_share', r'physics, \1: the same where the subgoal stayed'),
 )
 """Patterns of the figures' names, and what those figures are; the first that fits counts."""
 

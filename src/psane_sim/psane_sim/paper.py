@@ -66,6 +66,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--ablations', action='store_true',
                         help='also vary beta, h, lengthscale, k_g, certification, touch, slip '
                         'model and noise')
+    parser.add_argument('--report-only', action='store_true',
+                        help='run nothing: write tables, figures and page of the trials there are')
     parser.add_argument('--workers', type=int, default=os.cpu_count() or 1, metavar='N',
                         help='processes on this machine (default: its cores)')
     parser.add_argument('--scheduler', metavar='ADDRESS',
@@ -91,6 +93,8 @@ def run(options: argparse.Namespace) -> int:
         varied = {twin_of(trial).name: twin_of(trial)
                   for trial in ablation_trials(options.trials, options.robot)}
         ablations = _run_missing([*varied.values()], PaperSettings(), folder, options)
+    if not rows:
+        raise PaperError(f'{options.out} holds no trial yet')
     experiment = Experiment(robot=options.robot, preset=options.preset, tasks=tasks,
                             trials=options.trials)
     PaperReport(folder, experiment, rows, ablations).write()
@@ -125,6 +129,8 @@ def _run_missing(trials: Sequence[PaperTrial], shared: PaperSettings, folder: Tr
     missing = [trial for trial in trials if trial.name not in rows]
     if rows:
         print(f'{len(rows)} of {len(trials)} trials are there already', file=sys.stderr)
+    if options.report_only:
+        missing = []
     guesses = {_kind_of(trial): _guess(trial) for trial in trials}
     bar = WorkBar(WorkEstimate(guesses, [_kind_of(trial) for trial in missing]), options.workers)
     by_name = {trial.name: trial for trial in missing}
@@ -135,7 +141,7 @@ def _run_missing(trials: Sequence[PaperTrial], shared: PaperSettings, folder: Tr
         bar.advance(_kind_of(by_name[row['name']]), row['timing']['wall_s'],
                     f'{row["name"]}: {summary["reason"]}')
     bar.close()
-    return {trial.name: rows[trial.name] for trial in trials}
+    return {trial.name: rows[trial.name] for trial in trials if trial.name in rows}
 
 
 def _results(missing: Sequence[PaperTrial], shared: PaperSettings, options: argparse.Namespace

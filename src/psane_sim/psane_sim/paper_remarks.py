@@ -4,7 +4,9 @@
 Everything said here is read off the rows: no verdict is written down in advance.
 """
 
-from psane_sim.paper_groups import QUANTITIES, Group
+import math
+
+from psane_sim.paper_groups import QUANTITIES, Group, quantity_named
 from psane_sim.published import published_for
 
 CLOSE = 0.1
@@ -33,8 +35,18 @@ def _against_paper(group: Group) -> str:
             said.append(f'{NAMES[quantity.name]} cannot be compared, for no trial arrived')
     if not said:
         return ''
+    said += _pace(group)
     of_other = ' (of psane)' if group.strategy == 'psane_geodesic' else ''
     return f'Against the paper{of_other}: {", ".join(said)}.'
+
+
+def _pace(group: Group) -> list[str]:
+    """Return whether a difference in time is one of speed, where both have time and path."""
+    ours = [group.spread(quantity_named(name)).mean for name in BETTER_IF_LOWER]
+    theirs = [published_for(group.task, group.strategy, name) for name in BETTER_IF_LOWER]
+    if math.isnan(ours[0]) or theirs[0] is None or theirs[1] is None:
+        return []
+    return [f'at {ours[1] / ours[0]:.2f} m/s against {theirs[1].mean / theirs[0].mean:.2f}']
 
 
 def _compared(name: str, ours: float, theirs: float) -> str:

@@ -59,7 +59,7 @@ class Experiment:
     def title(self) -> str:
         """Heading of the page."""
         return (f"The paper's experiments: {self.robot.value} robot, preset {self.preset}, "
-                f'{self.trials} trials')
+                f'{self.trials} trial{"s" if self.trials > 1 else ""} of each')
 
 
 class PaperReport:
@@ -95,7 +95,9 @@ class PaperReport:
         every = [*self._rows.values(), *self._ablations.values()]
         (self._out / 'trials.csv').write_text(trials_as_csv(every))
         sections = [Section('Results', table, [self._bars()])]
-        sections += [self._task_section(task) for task in self._experiment.tasks]
+        there = {group.task for group in self._groups}
+        sections += [self._task_section(task) for task in self._experiment.tasks
+                     if task.name in there]
         sections += self._animation()
         if self._ablations:
             sections.append(self._ablation_section())
