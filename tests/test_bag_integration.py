@@ -15,6 +15,9 @@ from bag_replay import BAGS, replayed
 from psane_msgs.msg import PlannerStatus
 from psane_sim.lockstep_times import PLAN_STEP
 
+# The first test of each bag takes the time of the whole run; a machine may be busy.
+pytestmark = pytest.mark.timeout(900)
+
 # Processors differ in the last digits of exp and log, no more.
 RELATIVE = 1e-6
 # A cell on the edge between two steps may then fall to the other side.
