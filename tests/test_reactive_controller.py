@@ -247,7 +247,7 @@ def test_a_revoked_region_is_left_by_the_shortest_way_and_steered_in_again():
     assert all(after <= before + 1e-9 for before, after in zip(outside, outside[1:], strict=False))
     assert outside[-1] == 0.0
     assert max(abs(command.linear) for command in commands
-               if command.mode is Mode.RETREAT) <= 0.1 + 1e-9
+               if command.mode is Mode.RETREAT) <= controller.configuration.retreat_speed + 1e-9
     assert poses[-1][1] == pytest.approx(2.5, abs=0.6)
 
 

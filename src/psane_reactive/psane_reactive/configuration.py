@@ -120,8 +120,15 @@ class ReactiveConfiguration(Configuration):
     outside_tolerance: float = parameter(
         0.01, 'distance outside the region from which the robot is led back', unit='m', low=0.0,
         high=0.5)
-    retreat_speed: float = parameter(0.1, 'speed at which the robot is led back', unit='m/s',
-                                     low=0.01, high=0.5)
+    retreat_speed: float = parameter(
+        0.2, 'speed at which the robot is led back, backs out, or leaves where it leans',
+        unit='m/s', low=0.01, high=0.5)
+    lean_limit: float = parameter(
+        0.28, 'tilt of the body above which it walks straight out instead of turning; 3.2 never',
+        unit='rad', low=0.02, high=3.2)
+    fallen_above: float = parameter(
+        1.2, 'tilt of the body above which it lies and its legs are kept still; 3.2 never',
+        unit='rad', low=0.1, high=3.2)
     nose: float = parameter(0.28, 'reach of the body ahead of its centre', unit='m', low=0.0,
                             high=2.0)
     nose_allowance: float = parameter(

@@ -10,6 +10,7 @@ import shapely
 
 from psane_mapping.grid import FloatArray
 from psane_reactive.back_out import BackOut
+from psane_reactive.balance import Balance, Tilt
 from psane_reactive.clearance import Border
 from psane_reactive.command import Command, Mode
 from psane_reactive.configuration import ReactiveConfiguration
@@ -27,6 +28,7 @@ from psane_reactive.steady_direction import SteadyDirection
 # A pose that moves faster than this was set anew by a localiser, or is wrong [m/s].
 _JUMP_SPEED = 5.0
 _LONGEST_STEP = 0.2
+UPRIGHT = Tilt()
 
 
 class ReactiveController:
@@ -41,9 +43,10 @@ class ReactiveController:
 
     Notes
     -----
-    In this order: stop when an input is missing, stale or not finite; come back when outside;
-    march where that is asked for or a subgoal was reached; else drive along the way that the map
-    finds. The safety stop judges every command that moves the robot.
+    In this order: stop when an input is missing, stale or not finite, or the robot has fallen
+    over; come back when outside; march where that is asked for or a subgoal was reached; else
+    drive along the way that the map finds. A robot that leans walks straight instead of turning.
+    The safety stop judges every command that moves the robot.
     """
 
     def __init__(self, configuration: ReactiveConfiguration | None = None,
@@ -68,6 +71,7 @@ class ReactiveController:
         self._march = March(configuration, self._safety)
         self._retreat = Retreat(configuration)
         self._back_out = BackOut(configuration, self._safety)
+        self._balance = Balance(configuration, self._safety)
         self._progress = Progress(configuration)
         self._has_arrived = False
         self._guide = None
@@ -107,8 +111,13 @@ class ReactiveController:
             self._has_arrived = False
             self._progress.reset()
 
-    def set_odometry(self, pose: Sequence[float], velocity: Sequence[float], now: float) -> None:
-        """Take pose (x, y, yaw), map frame [m, m, rad], and velocity (v, w), body [m/s, rad/s]."""
+    def set_odometry(self, pose: Sequence[float], velocity: Sequence[float], now: float,
+                     tilt: Tilt = UPRIGHT) -> None:
+        """Take pose (x, y, yaw), map frame [m, m, rad], and velocity (v, w), body [m/s, rad/s].
+
+        `tilt` is how the body leans; it stands upright for who does not know.
+        """
+        self._balance.take(tilt)
         before = self.inputs.pose
         self.inputs.take_odometry(pose, velocity, now)
         after = self.inputs.pose
@@ -139,6 +148,9 @@ class ReactiveController:
         objection = self.inputs.objection(now)
         if objection is not None:
             return _stopped(objection)
+        fallen = self._balance.objection()
+        if fallen is not None:
+            return _stopped(fallen)
         if self._guide is None:
             return self._without_region(now)
         pose, border = self.inputs.pose, self._guide.border
@@ -222,6 +234,9 @@ class ReactiveController:
     def _judged(self, border: Border, wanted: Velocity, mode: Mode, reason: str,
                 now: float) -> Command:
         """Return a wanted velocity within its rates and as far as the safety stop lets it."""
+        out = self._balance.way_out(border, self.inputs.pose, self.inputs.velocity, wanted)
+        if out is not None:
+            wanted, reason = out, f'{reason}; the body leans, so it walks straight out'
         wanted = limited(wanted, self.configuration)
         smooth = rate_limited(wanted, self._last, self._step(now), self.configuration)
         verdict = self._safety.judge(border, self.inputs.pose, self.inputs.velocity, smooth)

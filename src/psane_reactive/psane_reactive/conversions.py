@@ -11,6 +11,7 @@ from psane_mapping.conversions import pose_of, require_finite, require_frame
 from psane_mapping.errors import MessageError
 from psane_mapping.grid import FloatArray
 from psane_msgs.msg import Ring, SafeRegion
+from psane_reactive.balance import Tilt
 from psane_reactive.command import Command, Mode
 
 TROUBLES = (Mode.STOPPED, Mode.STUCK)
@@ -50,6 +51,12 @@ def motion_of(message: Odometry,
     linear, angular = message.twist.twist.linear.x, message.twist.twist.angular.z
     require_finite('twist', linear, angular)
     return (float(pose[0]), float(pose[1]), float(pose[2])), (linear, angular), time
+
+
+def tilt_of(message: Odometry) -> Tilt:
+    """Return how the body leans by an odometry message."""
+    attitude = message.pose.pose.orientation
+    return Tilt.of_quaternion(attitude.x, attitude.y, attitude.z, attitude.w)
 
 
 def twist_of(command: Command) -> Twist:

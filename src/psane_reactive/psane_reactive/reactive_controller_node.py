@@ -22,6 +22,7 @@ from psane_reactive.conversions import (
     motion_of,
     region_of,
     steering_status_of,
+    tilt_of,
     twist_of,
 )
 from psane_reactive.node_configuration import ReactiveNodeConfiguration
@@ -78,7 +79,7 @@ class ReactiveControllerNode(Node):
 
     def _take_odometry(self, message: Odometry) -> None:
         pose, velocity, time = motion_of(message, self._settings.odom_frame)
-        self._controller.set_odometry(pose, velocity, time)
+        self._controller.set_odometry(pose, velocity, time, tilt_of(message))
 
     def _cycle(self) -> None:
         now = self._now()

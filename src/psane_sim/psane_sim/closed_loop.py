@@ -20,6 +20,7 @@ from psane_planner.configuration import PlannerConfiguration
 from psane_planner.discs import Mask
 from psane_planner.planner import SafePlanner
 from psane_planner.status import Plan, PlannerState
+from psane_reactive.balance import Tilt
 from psane_reactive.command import Mode
 from psane_reactive.configuration import ReactiveConfiguration
 from psane_reactive.controller import ReactiveController
@@ -202,7 +203,7 @@ class ClosedLoop:
         self._pose = np.array([sample.position[0], sample.position[1], sample.yaw])
         self._controller.set_odometry(
             tuple(self._pose), (float(sample.velocity[0]), float(sample.angular_velocity[2])),
-            sample.time)
+            sample.time, Tilt.of_quaternion(*sample.quaternion))
         self._planner.note_motion(self._pose, *self._asked, sample.time)
 
     def _plan(self, now: float) -> None:
