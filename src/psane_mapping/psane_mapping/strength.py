@@ -176,7 +176,7 @@ def _robust_slope(predictor: FloatArray, measured: FloatArray
     same, weights, residual = (np.empty_like(measured) for _ in range(3))
     # In the same order in memory as the others.
     same[...] = predictor
-    slope = huber_slope(*(_flat(array) for array in (same, measured, weights, residual)),
+    slope = huber_slope(_flat(same), _flat(measured), _flat(weights), _flat(residual),
                         _ROUNDS, _HUBER, _LEAST_SCALE)
     return float(slope), weights, residual
 
