@@ -115,6 +115,8 @@ class Grid:
         points = np.asarray(points, dtype=np.float64)
         column = np.floor((points[..., 0] - self.origin_x) / self.resolution)
         row = np.floor((points[..., 1] - self.origin_y) / self.resolution)
+        if points.ndim == 1:
+            return np.array((row, column)).astype(np.int64)
         return np.stack((row, column), axis=-1).astype(np.int64)
 
     def contains(self, points: FloatArray) -> NDArray[np.bool_]:

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from psane_mapping.configuration import MappingConfiguration
 from psane_mapping.contact import LegContact
 from psane_mapping.grid import FloatArray
+from psane_mapping.robust_slope import huber_slope
 
 _ROUNDS = 6
 _HUBER = 1.5
@@ -171,13 +172,18 @@ def _robust_slope(predictor: FloatArray, measured: FloatArray
     Huber's weights with the scale from the median absolute residual: a knock or a slipping
     grain that lasts a few samples does not tilt the line.
     """
-    weights = np.ones_like(measured)
-    for _ in range(_ROUNDS):
-        slope = float((weights * predictor * measured).sum() / (weights * predictor**2).sum())
-        residual = measured - slope * predictor
-        scale = max(_LEAST_SCALE, 1.4826 * float(np.median(np.abs(residual))))
-        weights = np.minimum(1.0, _HUBER * scale / np.maximum(np.abs(residual), 1e-12))
-    return slope, weights, residual
+    measured = measured.copy(order='K')
+    same, weights, residual = (np.empty_like(measured) for _ in range(3))
+    # In the same order in memory as the others.
+    same[...] = predictor
+    slope = huber_slope(_flat(same), _flat(measured), _flat(weights), _flat(residual),
+                        _ROUNDS, _HUBER, _LEAST_SCALE)
+    return float(slope), weights, residual
+
+
+def _flat(values: FloatArray) -> FloatArray:
+    """Return a view (n * channels,) of contiguous samples in the order in which they lie."""
+    return np.asarray(values if values.flags.c_contiguous else values.T).reshape(-1)
 
 
 def _disagreement(predictor: FloatArray, measured: FloatArray) -> float:

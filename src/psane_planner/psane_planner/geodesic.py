@@ -44,40 +44,61 @@ def _seed(passable: Mask, row: float, column: float, field: FloatArray, fixed: M
 
 
 @compiled
-def _sweep(cost: FloatArray, fixed: Mask, field: FloatArray, down: bool, right: bool) -> bool:
-    """Relax every cell once in one of four orders; return whether any value fell."""
+def _wake(cost: FloatArray, fixed: Mask, due: Mask, waiting: Integers, row: int,
+          column: int) -> None:
+    """Mark the four neighbours of a cell whose value fell as due for another look."""
+    for r, c in ((row - 1, column), (row + 1, column), (row, column - 1), (row, column + 1)):
+        if r < 0 or c < 0 or r >= cost.shape[0] or c >= cost.shape[1]:
+            continue
+        if not due[r, c] and not fixed[r, c] and cost[r, c] < np.inf:
+            due[r, c] = True
+            waiting[r] += 1
+
+
+@compiled
+def _sweep(cost: FloatArray, fixed: Mask, field: FloatArray, due: Mask, waiting: Integers,
+           down: bool, right: bool) -> None:
+    """Relax every cell that is due once, in one of four orders."""
     rows, columns = cost.shape
-    changed = False
     for i in range(rows):
         r = i if down else rows - 1 - i
+        if waiting[r] == 0:
+            continue
         for j in range(columns):
             c = j if right else columns - 1 - j
-            if fixed[r, c] or cost[r, c] == np.inf:
+            if not due[r, c]:
                 continue
+            due[r, c] = False
+            waiting[r] -= 1
             a = min(field[r - 1, c] if r > 0 else np.inf,
                     field[r + 1, c] if r + 1 < rows else np.inf)
             b = min(field[r, c - 1] if c > 0 else np.inf,
                     field[r, c + 1] if c + 1 < columns else np.inf)
             low, high = min(a, b), max(a, b)
-            if low == np.inf:
-                continue
             step = cost[r, c]
             value = low + step
             if high < value:
                 value = 0.5 * (low + high + math.sqrt(2.0 * step**2 - (high - low) ** 2))
             if value < field[r, c] - 1e-9:
                 field[r, c] = value
-                changed = True
-    return changed
+                _wake(cost, fixed, due, waiting, r, c)
 
 
 @compiled
 def _relax(cost: FloatArray, fixed: Mask, field: FloatArray) -> None:
-    """Sweep in the four orders in turn until none of them lowers a value any more."""
-    order, idle = 0, 0
-    while idle < 4:
-        changed = _sweep(cost, fixed, field, order < 2, order % 2 == 0)
-        idle = 0 if changed else idle + 1
+    """Sweep in the four orders in turn until none of them lowers a value any more.
+
+    A cell is looked at again only once a neighbour has fallen: before that it would stay as it is.
+    """
+    due = np.zeros(cost.shape, np.bool_)
+    waiting = np.zeros(cost.shape[0], np.int64)
+    for r in range(cost.shape[0]):
+        for c in range(cost.shape[1]):
+            if field[r, c] < np.inf:
+                _wake(cost, fixed, due, waiting, r, c)
+    order = 0
+    while waiting.any():
+        _sweep(cost, fixed, field, due, waiting, order < 2, order % 2 == 0)
         order = (order + 1) % 4
 
 
@@ -177,14 +198,19 @@ def _place(grid: Grid, point: FloatArray) -> tuple[float, float]:
 def _reach_out(field: FloatArray, cells: Integers, reach: float) -> FloatArray:
     rows, columns = field.shape
     window = int(reach)
+    aside = np.full((2 * window + 1, 2 * window + 1), np.inf)
+    for i in range(-window, window + 1):
+        for j in range(-window, window + 1):
+            away = math.hypot(i, j)
+            if away <= reach:
+                aside[i + window, j + window] = away
     result = np.full(cells.shape[0], np.inf)
     for k in range(cells.shape[0]):
-        row, column = cells[k, 0], cells[k, 1]
+        row, column, least = cells[k, 0], cells[k, 1], np.inf
         for r in range(max(0, row - window), min(rows, row + window + 1)):
             for c in range(max(0, column - window), min(columns, column + window + 1)):
-                aside = math.hypot(r - row, c - column)
-                if aside <= reach and field[r, c] + aside < result[k]:
-                    result[k] = field[r, c] + aside
+                least = min(least, field[r, c] + aside[r - row + window, c - column + window])
+        result[k] = least
     return result
 
 

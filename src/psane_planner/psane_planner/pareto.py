@@ -27,10 +27,13 @@ def pareto_front(first: FloatArray, second: FloatArray) -> NDArray[np.bool_]:
     best_second = second[order]
     # Within one value of the first objective only the best of the second can stand, and only
     # when it also exceeds whatever candidates with a larger first objective have reached.
-    starts = np.flatnonzero(np.r_[True, np.diff(first[order]) != 0.0])
-    group = np.repeat(np.arange(starts.size), np.diff(np.r_[starts, count]))
-    group_best = best_second[starts]
-    reached = np.r_[-np.inf, np.maximum.accumulate(group_best)[:-1]]
+    ordered = first[order]
+    begins = np.ones(count, dtype=np.bool_)
+    begins[1:] = ordered[1:] != ordered[:-1]
+    group = np.cumsum(begins) - 1
+    group_best = best_second[begins]
+    reached = np.full(group_best.size, -np.inf)
+    reached[1:] = np.maximum.accumulate(group_best)[:-1]
     stands = (best_second == group_best[group]) & (group_best > reached)[group]
     front[order[stands]] = True
     return front

@@ -9,7 +9,7 @@ import shapely
 
 from psane_mapping.grid import FloatArray, Grid
 from psane_planner import verdicts
-from psane_planner.component import Component, component_around
+from psane_planner.component import Component, Components
 from psane_planner.confidence import Bounds, ConfidenceIntervals
 from psane_planner.configuration import PlannerConfiguration
 from psane_planner.discs import Mask
@@ -101,6 +101,7 @@ class SafePlanner:
         """Make what depends on the grid alone."""
         config = self.configuration
         self._inner: Mask | None = None
+        self._components: Components | None = None
         self._builder = RegionBuilder(self.grid, config.region_clearance,
                                       config.contour_tolerance)
 
@@ -180,7 +181,9 @@ class SafePlanner:
         std = np.asarray(slip_std, dtype=np.float64)
         bounds = self._intervals.update(self.strides.pessimistic(self._felt), std)
         certified = self._safe_set.update(bounds, std, admissible, position, known_safe)
-        component = component_around(certified, self.grid, position)
+        if self._components is None or self._components.certified is not certified:
+            self._components = Components(certified, self.grid)
+        component = self._components.around(position)
         self._note_lost(component)
         region = self._region(certified, component, position)
         scene = Scene(now=now, position=position, heading=float(pose[2]), goal=goal, bounds=bounds,

@@ -122,12 +122,12 @@ class RegionBuilder:
     def _drawing_of(self, certified: Mask, component: Mask) -> _Drawing:
         """Return the outlines, those of the last call where the cells are the same."""
         last = self._drawn
-        if last is None or not (np.array_equal(last.certified, certified)
-                                and np.array_equal(last.component, component)):
+        if last is None or not (_is_same(last.certified, certified)
+                                and _is_same(last.component, component)):
             lattice = self._measure(certified, component)
             outlines = [piece for piece in self._outline(lattice)
                         if self._is_within(component, piece)]
-            last = _Drawing(certified.copy(), component.copy(), lattice, outlines, {})
+            last = _Drawing(_kept(certified), _kept(component), lattice, outlines, {})
             self._drawn = last
         return last
 
@@ -196,6 +196,15 @@ class RegionBuilder:
         cells = np.zeros(self._grid.shape, dtype=np.bool_)
         cells[lattice.rows, lattice.columns] = window
         return cells
+
+
+def _kept(mask: Mask) -> Mask:
+    """Return a mask that nobody changes: itself where it is frozen."""
+    return mask.copy() if mask.flags.writeable else mask
+
+
+def _is_same(one: Mask, other: Mask) -> bool:
+    return one is other or bool(np.array_equal(one, other))
 
 
 def _window(used: NDArray[np.bool_], margin: int) -> slice:

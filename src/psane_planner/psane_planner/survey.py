@@ -152,7 +152,8 @@ def _is_same_ground(one: Scene, other: Scene) -> bool:
         one.goal is None or other.goal is None or np.array_equal(one.goal, other.goal))
     return (same_goal and one.bounds.lower is other.bounds.lower
             and one.certified is other.certified and one.admissible is other.admissible
-            and np.array_equal(one.component, other.component))
+            and (one.component is other.component
+                 or np.array_equal(one.component, other.component)))
 
 
 def _with_goal(scene: Scene, points: FloatArray, to_robot: FloatArray,

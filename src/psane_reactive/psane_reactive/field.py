@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Screened-Poisson field over a region: no local minima in any region, for one goal at a time."""
 
-import math
-
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -11,6 +9,7 @@ from scipy.sparse.linalg import splu
 
 from psane_mapping.grid import FloatArray, Grid, IndexArray
 from psane_reactive.clearance import Border
+from psane_reactive.climb import climb
 from psane_reactive.errors import MapError
 from psane_reactive.model_map import Way
 
@@ -21,7 +20,6 @@ _LARGEST = 60000
 _LARGEST_BOX = 1000000
 # Within so many cells the cell of a point is looked for.
 _VIEW = 3.0
-_STEPS = ((0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, -1))
 
 
 class ScreenedPoissonField:
@@ -121,21 +119,19 @@ class ScreenedPoissonField:
         values = self._solve(end)
         if values[here] <= 0.0:
             return None
-        points, length = [self._centres[here]], 0.0
-        while here != end and length < reach:
-            following = self._uphill(here, values)
-            if following < 0:
-                return None
-            length += float(np.hypot(*(self._centres[following] - self._centres[here])))
-            here = following
-            points.append(self._centres[here])
-        if here == end:
-            return Way(np.array([*points, goal]), ends_at_goal=True)
-        return Way(np.array(points), ends_at_goal=False)
+        steps = climb(values, here, end, reach, self._centres, self._cells, self._number,
+                      self._open_right, self._open_up)
+        if len(steps) == 0:
+            return None
+        points = self._centres[steps]
+        if steps[-1] == end:
+            return Way(np.vstack((points, goal)), ends_at_goal=True)
+        return Way(points, ends_at_goal=False)
 
     def _nearest(self, point: FloatArray) -> int:
         """Return the inside cell whose centre is nearest to a point, seen from it if any is."""
-        squares = ((self._centres - point) ** 2).sum(axis=1)
+        aside = self._centres - point
+        squares = aside[:, 0] ** 2 + aside[:, 1] ** 2
         near = np.flatnonzero(squares < (_VIEW * self.grid.resolution) ** 2)
         for cell in near[np.argsort(squares[near])]:
             if self._border.segment_distance(point, self._centres[cell], 1e-6) > 0.0:
@@ -150,27 +146,3 @@ class ScreenedPoissonField:
             values = self._factors.solve(source)  # type: ignore[attr-defined]
             self._solved = (goal, np.maximum(values, 0.0) / values[goal])
         return self._solved[1]
-
-    def _uphill(self, here: int, values: FloatArray) -> int:
-        """Return the neighbour with the steepest rise of log u, -1 when there is none."""
-        row, column = self._cells[here]
-        best, steepest = -1, 0.0
-        for down, right in _STEPS:
-            if not self._is_open(row, column, down, right):
-                continue
-            other = int(self._number[row + down, column + right])
-            rise = math.log(values[other] / values[here]) / math.hypot(down, right)
-            if rise > steepest:
-                best, steepest = other, rise
-        return best
-
-    def _is_open(self, row: int, column: int, down: int, right: int) -> bool:
-        """Tell whether a step to one of the eight neighbours stays inside the region."""
-        if down != 0 and right != 0:
-            return (self._is_open(row, column, down, 0) and self._is_open(row, column, 0, right)
-                    and self._is_open(row + down, column, 0, right)
-                    and self._is_open(row, column + right, down, 0))
-        first_row, first_column = row + min(down, 0), column + min(right, 0)
-        if first_row < 0 or first_column < 0:
-            return False
-        return bool((self._open_up if down != 0 else self._open_right)[first_row, first_column])

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay, QhullError
 
 from psane_mapping.grid import FloatArray, IndexArray
 from psane_reactive.clearance import Border
 from psane_reactive.errors import MeshError
+from psane_reactive.mesh_edges import edges_of, flooded, neighbours_across, places_of
 
 # Border vertices between two corners are moved inwards by this share of their edge, so that a
 # straight border never makes a triangle without area.
@@ -82,13 +81,14 @@ def _ring_points(ring: shapely.LinearRing, edge: float, is_hole: bool) -> FloatA
         corners = corners[::-1]
     ends = np.roll(corners, -1, axis=0)
     counts = np.maximum(1, np.ceil(np.hypot(*(ends - corners).T) / edge)).astype(int)
-    pieces = []
-    for start, end, count in zip(corners, ends, counts, strict=True):
-        step = (end - start) / count
-        points = start + np.arange(count)[:, None] * step
-        points[1:] += _DENT * np.array((-step[1], step[0]))
-        pieces.append(points)
-    return np.concatenate(pieces)
+    steps = (ends - corners) / counts[:, None]
+    of_edge = np.repeat(np.arange(len(corners)), counts)
+    along = np.arange(len(of_edge)) - np.repeat(np.cumsum(counts) - counts, counts)
+    points: FloatArray = corners[of_edge] + along[:, None] * steps[of_edge]
+    between = along > 0
+    aside = np.column_stack((-steps[:, 1], steps[:, 0]))[of_edge[between]]
+    points[between] += _DENT * aside
+    return points
 
 
 def _interior_points(polygon: shapely.Polygon, edge: float) -> FloatArray:
@@ -136,11 +136,9 @@ def _ring_edges(rings: list[FloatArray]) -> tuple[IndexArray, IndexArray]:
 def _has_edges(triangles: IndexArray, starts: IndexArray, ends: IndexArray,
                count: int) -> NDArray[np.bool_]:
     """Tell which of the edges start-end are edges of a triangle, in either direction."""
-    heads = triangles.ravel()
-    tails = np.roll(triangles, -1, axis=1).ravel()
-    present = np.minimum(heads, tails) * count + np.maximum(heads, tails)
-    wanted = np.minimum(starts, ends) * count + np.maximum(starts, ends)
-    return np.isin(wanted, present)
+    edges = edges_of(triangles, count)
+    return np.asarray((places_of(edges, starts, ends) >= 0)
+                      | (places_of(edges, ends, starts) >= 0))
 
 
 def _halve(rings: list[FloatArray], is_missing: NDArray[np.bool_]) -> list[FloatArray]:
@@ -160,20 +158,13 @@ def _inside_part(points: FloatArray, triangles: IndexArray, rings: list[FloatArr
                  starts: IndexArray, ends: IndexArray) -> Mesh:
     """Keep the triangles on the left of the border, found by flooding up to border edges."""
     count = len(points)
-    heads = triangles.ravel()
-    tails = np.roll(triangles, -1, axis=1).ravel()
-    owner = np.repeat(np.arange(len(triangles)), 3)
-    directed = heads * count + tails
-    border = np.concatenate((starts * count + ends, ends * count + starts))
-    order = np.argsort(directed)
-    twin = np.searchsorted(directed, tails * count + heads, sorter=order)
-    twin = order[np.minimum(twin, len(order) - 1)]
-    is_open = (directed[twin] == tails * count + heads) & ~np.isin(directed, border)
-    links = coo_array((np.ones(is_open.sum()), (owner[is_open], owner[twin[is_open]])),
-                      shape=(len(triangles), len(triangles)))
-    labels = connected_components(links, directed=False)[1]
-    on_left = np.isin(directed, starts * count + ends)
-    inside = np.isin(labels, np.unique(labels[owner[on_left]]))
+    edges = edges_of(triangles, count)
+    neighbours = neighbours_across(edges, triangles)
+    on_left, on_right = places_of(edges, starts, ends), places_of(edges, ends, starts)
+    on_left = on_left[on_left >= 0]
+    neighbours.ravel()[on_left] = -1
+    neighbours.ravel()[on_right[on_right >= 0]] = -1
+    inside = flooded(neighbours, on_left // 3)
     bounds = np.cumsum([0, *(len(ring) for ring in rings)])
     indices = tuple(np.arange(low, high)
                     for low, high in zip(bounds[:-1], bounds[1:], strict=True))

@@ -134,7 +134,8 @@ class MeshDistance:
         across = _across(mesh)
         links = np.concatenate((sides, sides[:, ::-1], across, across[:, ::-1]))
         count = len(mesh.vertices)
-        keys = np.unique(links[:, 0] * count + links[:, 1])
+        keys = np.sort(links[:, 0] * count + links[:, 1])
+        keys = keys[np.append(True, keys[1:] != keys[:-1])]
         starts, self._ends = np.divmod(keys, count)
         self._offsets = np.searchsorted(starts, np.arange(count + 1))
         self._lengths = np.hypot(*(mesh.vertices[starts] - mesh.vertices[self._ends]).T)

@@ -7,28 +7,21 @@ import numpy as np
 from numba import njit
 
 from psane_mapping.grid import FloatArray, IndexArray
+from psane_reactive.mesh_edges import edges_of, neighbours_across, places_of
 
 
 def neighbours_of(triangles: IndexArray) -> IndexArray:
     """Return the triangle across edge (k, k + 1) of each triangle, -1 at the border, (m, 3)."""
-    count = int(triangles.max()) + 1
-    heads = triangles.ravel()
-    tails = np.roll(triangles, -1, axis=1).ravel()
-    directed = heads * count + tails
-    order = np.argsort(directed)
-    reverse = tails * count + heads
-    place = np.minimum(np.searchsorted(directed, reverse, sorter=order), len(order) - 1)
-    twin = order[place]
-    found = directed[twin] == reverse
-    return np.where(found, twin // 3, -1).reshape(-1, 3)
+    edges = edges_of(triangles, int(triangles.max()) + 1)
+    found: IndexArray = neighbours_across(edges, triangles)
+    return found
 
 
 def owners_of(triangles: IndexArray, starts: IndexArray, ends: IndexArray) -> IndexArray:
     """Return the triangle that has each directed edge start-end, (k,)."""
-    count = int(triangles.max()) + 1
-    directed = triangles.ravel() * count + np.roll(triangles, -1, axis=1).ravel()
-    order = np.argsort(directed)
-    return order[np.searchsorted(directed, starts * count + ends, sorter=order)] // 3
+    edges = edges_of(triangles, int(triangles.max()) + 1)
+    owners: IndexArray = places_of(edges, starts, ends) // 3
+    return owners
 
 
 @njit(cache=True, error_model='numpy')  # type: ignore[misc]

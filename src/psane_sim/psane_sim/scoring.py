@@ -110,6 +110,8 @@ class Scorer:
 
     def certified(self, mask: BoolArray) -> None:
         """Take in a new mask (rows, columns) of certified cells."""
+        if mask is self._certified and not mask.flags.writeable:
+            return
         self._certified = np.asarray(mask, dtype=bool)
         self._false |= self._certified & self._is_unsafe
 
