@@ -55,7 +55,27 @@ def test_the_factor_of_weaker_ground_is_learnt_on_soft_ground(factor):
     walk(monitor, 0.12, factor, 240.0)
     # The slope of the curve is taken at the felt strength, which under-rates steep changes.
     assert monitor.log_factor == pytest.approx(math.log(factor), abs=0.12)
-    assert monitor.weakening == pytest.approx(monitor.log_factor + monitor.deviation)
+    assert monitor.weakening == monitor.log_factor < -2.0 * monitor.deviation
+
+
+def test_what_may_be_chance_has_no_consequences_and_what_cannot_be_has_all():
+    monitor = StrideMonitor(CONFIG)
+    for deviations, share in ((0.9, 0.0), (1.0, 0.0), (1.5, 2.0 / 3.0), (2.0, 1.0), (4.0, 1.0)):
+        monitor.log_factor = -deviations * monitor.deviation
+        assert monitor.weakening == pytest.approx(share * monitor.log_factor)
+
+
+def test_soft_ground_beside_the_centre_counts_as_felt():
+    grid = Grid.over_workspace(0.0, 0.0, 6.0, 5.0, 0.1)
+    aside = np.abs(grid.points[:, 1] - 1.05).reshape(grid.shape)
+    corridor, pose = np.where(aside > 0.12, 0.6, 0.1), np.array((1.05, 1.05, 0.0))
+    planner = SafePlanner(CONFIG, grid)
+    planner.update(corridor, np.full(grid.shape, 0.03), pose, None, 0.0)
+    slip = 0.1 + 0.5 * 4.0 / 6.0
+    for k in range(400):
+        planner.note_motion(pose, SPEED, 0.0, STEP * k)
+        pose[0] += SPEED * STEP * (1.0 - slip) / (1.0 - CONFIG.stride_firm_slip)
+    assert planner.strides.strides > 10 and planner.strides.weakening == 0.0
 
 
 def test_strides_on_firm_ground_tell_next_to_nothing():

@@ -61,7 +61,7 @@ class PlannerConfiguration(Configuration):
     footprint_aware: bool = parameter(
         False, "keep all feet on certified ground at any heading, not only the body's centre")
     footprint_radius: float = parameter(
-        0.28, 'distance of the outermost foot to the centre (footprint_aware)', unit='m',
+        0.28, 'distance of the outermost foot to the centre', unit='m',
         low=0.02, high=2.0)
     contour_tolerance: float = parameter(
         0.02, 'added to the clearance and spent on interpolation and simplification', unit='m',
@@ -113,7 +113,7 @@ class PlannerConfiguration(Configuration):
     stride_firm_slip: float = parameter(
         0.081, 'slip on firm ground that the gait makes up for', low=0.0, high=0.9)
     stride_allowance: float = parameter(
-        0.2, 'slip above the felt one that steering and speeding up account for', low=0.0,
+        0.1, 'slip above the felt one that steering and speeding up account for', low=0.0,
         high=1.0)
     stride_deviation: float = parameter(
         0.1, 'noise of the slip of one such walk', low=0.005, high=2.0)

@@ -24,6 +24,9 @@ from psane_planner.strategies import make_strategy
 from psane_planner.stride_monitor import StrideMonitor
 from psane_planner.transfer import transfer_between
 
+_RING = np.column_stack([wave(np.arange(6) * np.pi / 3.0) for wave in (np.cos, np.sin)])
+"""Where six feet stand around the centre, as far as their mean is concerned, radius 1 [-]."""
+
 
 class SafePlanner:
     """Plans over a slip map; keeps intervals, certificates and the memory of frontiers.
@@ -131,10 +134,20 @@ class SafePlanner:
             Velocities that are asked of the robot [m/s], [rad/s].
         now : float [s]
         """
-        row, column = self.grid.index_of(pose[:2])
-        is_known = self._felt is not None and bool(self.grid.contains(pose[:2]))
-        felt = float(self._felt[row, column]) if is_known and self._felt is not None else math.nan
-        self.strides.note(now, pose, linear, angular, felt)
+        self.strides.note(now, pose, linear, angular, self._felt_under(pose))
+
+    def _felt_under(self, pose: FloatArray) -> float:
+        """Return the mean slip that the map has under the feet of a robot, NaN where unknown [-].
+
+        Ground that is soft to both sides slows a robot whose centre is on firm ground.
+        """
+        if self._felt is None:
+            return math.nan
+        feet = pose[:2] + self.configuration.footprint_radius * _RING
+        if not np.all(self.grid.contains(feet)):
+            return math.nan
+        rows, columns = self.grid.index_of(feet).T
+        return float(self._felt[rows, columns].mean())
 
     def note_stuck(self, subgoal: FloatArray, now: float) -> bool:
         """Take note that the steering gets nowhere on its way to a subgoal (2,) [m].

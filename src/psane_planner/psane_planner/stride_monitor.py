@@ -28,8 +28,9 @@ class StrideMonitor:
     Notes
     -----
     A scalar Kalman filter without process noise on ``x``: a stride's measured slip less the felt
-    one is ``x ds/dlog(strength)`` plus noise. Only ground weaker than felt has consequences, and
-    of the estimate only what exceeds one of its standard deviations.
+    one is ``x ds/dlog(strength)`` plus noise. Its information adds up over strides, so that a bias
+    too small to be seen in one of them is found in many. Only ground weaker than felt has
+    consequences: none up to one standard deviation of the estimate, all of it from two on.
     """
 
     def __init__(self, configuration: PlannerConfiguration) -> None:
@@ -50,7 +51,8 @@ class StrideMonitor:
     @property
     def weakening(self) -> float:
         """Logarithm, at most 0, of true over felt strength that is reckoned with [-]."""
-        return min(0.0, self.log_factor + self.deviation)
+        beyond = self.log_factor + self.deviation
+        return min(0.0, max(self.log_factor, 2.0 * beyond))
 
     @property
     def is_too_weak(self) -> bool:
@@ -67,7 +69,7 @@ class StrideMonitor:
         linear, angular : float
             Velocities that are asked of the robot [m/s], [rad/s].
         felt : float [-], slip ratio
-            What the map says of the ground under the robot; NaN where it says nothing.
+            What the map says of the ground under the feet; NaN where it says nothing.
         """
         config = self._configuration
         step = now - self._now

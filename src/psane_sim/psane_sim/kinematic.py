@@ -45,6 +45,11 @@ class KinematicConfiguration(Configuration):
         0.16, 'slip that turning at the limit adds', low=0.0, high=1.0)
     sway: float = parameter(
         0.004, 'deviation of a step aside, for each stride', unit='m', low=0.0, high=0.1)
+    stride_allowance: float = parameter(
+        0.02, 'slip of its strides above that of the ground under the feet, for the planner',
+        low=0.0, high=1.0)
+    stride_deviation: float = parameter(
+        0.05, 'noise of the slip of its strides, for the planner', low=0.005, high=2.0)
 
 
 class KinematicRobot:

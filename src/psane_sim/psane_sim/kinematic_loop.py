@@ -6,7 +6,7 @@ what they feel are simple.
 """
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from psane_mapping.mapper import TerrainMapper, TerrainSample
 from psane_planner.configuration import PlannerConfiguration
 from psane_planner.planner import SafePlanner
 from psane_planner.status import Plan
+from psane_reactive.command import Mode
 from psane_reactive.configuration import ReactiveConfiguration
 from psane_reactive.controller import ReactiveController
 from psane_sim.closed_loop import ENDINGS
@@ -48,6 +49,12 @@ class KinematicSettings:
     planner: PlannerConfiguration = field(default_factory=PlannerConfiguration)
     reactive: ReactiveConfiguration = field(default_factory=ReactiveConfiguration)
 
+    @property
+    def planner_of_robot(self) -> PlannerConfiguration:
+        """The planner's, told how much the strides of this robot are to be believed."""
+        return replace(self.planner, stride_allowance=self.robot.stride_allowance,
+                       stride_deviation=self.robot.stride_deviation)
+
 
 class KinematicLoop:
     """One stand-in robot on one terrain with one task.
@@ -71,7 +78,7 @@ class KinematicLoop:
         self._robot = KinematicRobot(settings.robot, terrain, start_pose, (task.seed, 0))
         self._touch = SimulatedTouch(settings.touch, terrain, (task.seed, 1))
         self._mapper = TerrainMapper(settings.mapping)
-        self._planner = SafePlanner(settings.planner, self._mapper.grid)
+        self._planner = SafePlanner(settings.planner_of_robot, self._mapper.grid)
         self._controller = ReactiveController(settings.reactive)
         self._scorer = Scorer(terrain, self._mapper.grid, np.array(start_pose[:2]),
                               task.threshold)
@@ -125,6 +132,9 @@ class KinematicLoop:
         robot = self._robot
         self._controller.set_odometry(tuple(self._believed()), robot.velocity, robot.time)
         command = self._controller.command(robot.time)
+        subgoal = self._controller.inputs.subgoal
+        if command.mode is Mode.STUCK and subgoal is not None:
+            self._planner.note_stuck(subgoal, robot.time)
         robot.command(command.linear, command.angular)
         self._planner.note_motion(self._believed(), command.linear, command.angular, robot.time)
         ended = robot.step(TICK)
