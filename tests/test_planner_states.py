@@ -150,6 +150,18 @@ def test_exploring_ends_when_every_frontier_was_visited_in_vain():
     assert plans[-1].state is State.EXPLORED and 'in vain' in plans[-1].cause
 
 
+def test_exploring_that_wins_nothing_more_ends_as_explored_where_frontiers_were_reached():
+    plans = visit_all(planner_of(patience=60.0), felt((2, 2, 1.0)), None, 70.0)
+    assert all(plan.state is State.SEEKING for plan in plans[:110])
+    assert plans[-1].state is State.EXPLORED and 'visited in vain' in plans[-1].cause
+
+
+def test_exploring_stalls_where_the_robot_gets_to_no_frontier():
+    planner, ground = planner_of(patience=60.0), felt((2, 2, 1.0))
+    plans = [planner.update(*ground, pose(2, 2), None, float(t)) for t in range(70)]
+    assert plans[-1].state is State.STALLED and 'has not grown' in plans[-1].cause
+
+
 def test_a_subgoal_that_is_never_approached_is_set_aside():
     planner, ground, goal = planner_of(), felt((2, 2, 1.0)), np.array((4.5, 2.0))
     plans = [planner.update(*ground, pose(2, 2), goal, float(t)) for t in range(40)]

@@ -17,6 +17,8 @@ class _Visit:
     record: int
     arrivals: int = 0
     resting_until: float = float('-inf')
+    in_vain_at: float = float('-inf')
+    given_up_at: float = float('-inf')
 
 
 class FrontierMemory:
@@ -52,11 +54,21 @@ class FrontierMemory:
             visit.arrivals += 1
             visit.since = now
         if visit.arrivals >= self._configuration.arrivals_before_rest:
-            self.set_aside(point, now)
+            visit.in_vain_at = now
+            self._rest(visit, now)
 
     def set_aside(self, point: FloatArray, now: float) -> None:
-        """Let the frontier around `point` (2,) [m] rest from now on."""
+        """Let the frontier around `point` (2,) [m] rest, since the robot cannot get there."""
         visit = self._visit_at(point, 0, now)
+        visit.given_up_at = now
+        self._rest(visit, now)
+
+    def only_in_vain_since(self, since: float) -> bool:
+        """Tell whether the robot got to every frontier that it left since then, one at least."""
+        return (any(visit.in_vain_at >= since for visit in self._visits)
+                and not any(visit.given_up_at >= since for visit in self._visits))
+
+    def _rest(self, visit: _Visit, now: float) -> None:
         visit.arrivals = 0
         visit.resting_until = now + self._configuration.rest_time
 

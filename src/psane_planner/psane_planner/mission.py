@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a scene to a decision that always has a reason."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from psane_mapping.grid import FloatArray, Grid
@@ -205,11 +203,8 @@ class Mission:
         is_over = decision.state is not PlannerState.SEEKING
         if is_over or lasted <= self._configuration.patience:
             return decision
-        return replace(
-            decision, state=PlannerState.STALLED,
-            cause=f'the certified area has not grown for {lasted:.0f} s',
-            remedy='set another goal, take another strategy or raise slip_threshold; '
-                   'the search goes on meanwhile')
+        is_explored = scene.goal is None and self._memory.only_in_vain_since(scene.now - lasted)
+        return verdicts.without_growth(decision, lasted, is_explored)
 
 
 def _note(moved: float, what: str) -> str:

@@ -2,6 +2,7 @@
 """The words for every situation in which the robot does not simply go on."""
 
 import math
+from dataclasses import replace
 
 from psane_mapping.grid import FloatArray
 from psane_planner.configuration import PlannerConfiguration
@@ -107,3 +108,25 @@ def nothing_left(scene: Scene, lasted: float, is_resting: bool, is_goal_cut_off:
     return Decision(state=PlannerState.STALLED, march=True,
                     remedy='set another goal, or accept more slip by a higher slip_threshold',
                     cause=f'{why}; the goal lies behind {behind}')
+
+
+def without_growth(decision: Decision, lasted: float, is_explored: bool) -> Decision:
+    """End a search that wins nothing, or report it.
+
+    Parameters
+    ----------
+    decision : Decision
+        To go on searching.
+    lasted : float [s]
+        How long the certified area has not grown.
+    is_explored : bool
+        Whether there is no goal, and the robot got to each frontier that it has sought since.
+    """
+    cause = f'the certified area has not grown for {lasted:.0f} s'
+    if is_explored:
+        return replace(decision, state=PlannerState.EXPLORED,
+                       cause=f'{cause}: each frontier that was sought since was visited in vain')
+    return replace(
+        decision, state=PlannerState.STALLED, cause=cause,
+        remedy='set another goal, take another strategy or raise slip_threshold; '
+               'the search goes on meanwhile')
