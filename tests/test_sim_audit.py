@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from psane_sim import audit, benchmark
+from psane_sim.audit_page import command_of, write_page
 from psane_sim.audit_table import as_markdown, summarise_rows
 from psane_sim.audit_trial import BETAS, AuditSettings, Trial, run_trial
+from psane_sim.errors import AuditError
 
 
 def row(family='smooth', seed=0, **changes):
@@ -120,3 +122,31 @@ def test_a_cluster_that_cannot_be_had_is_said_in_words(tmp_path, capsys):
 def test_settings_that_differ_have_other_fingerprints():
     assert AuditSettings().fingerprint == AuditSettings().fingerprint
     assert AuditSettings().fingerprint != AuditSettings(weaker=0.1).fingerprint
+
+
+def page_of(tmp_path, rows, weaker):
+    figure = tmp_path / 'drawn.png'
+    figure.write_bytes(b'picture')
+    command = command_of(len(rows), 0, weaker)
+    write_page(tmp_path, weaker, command, rows, summarise_rows(rows), figure)
+    return (tmp_path / 'audit.md').read_text()
+
+
+def test_an_audit_fills_its_own_part_of_the_page_and_no_other(tmp_path):
+    (tmp_path / 'audit.md').write_text('Words.\n<!-- weaker 0:begin -->\nold\n'
+                                       '<!-- weaker 0:end -->\n<!-- weaker 0.2:begin -->\n'
+                                       '<!-- weaker 0.2:end -->\nEnd.\n')
+    failed = row('patchy', 7, success=False, ending='STALLED', cause='nothing \\1 is left')
+    weak = page_of(tmp_path, [row(), failed], 0.2)
+    assert 'old' in weak and 'patchy 7: STALLED' in weak and 'nothing \\1 is left' in weak
+    assert '--trials 2 --weaker 0.2`' in weak and not (tmp_path / 'audit.png').exists()
+    both = page_of(tmp_path, [row()], 0.0)
+    assert 'old' not in both and 'patchy 7' in both and 'Every trial with a way' in both
+    assert both.startswith('Words.') and both.endswith('End.\n')
+    assert (tmp_path / 'audit.png').read_bytes() == b'picture'
+    assert page_of(tmp_path, [row()], 0.0) == both
+
+
+def test_a_page_without_a_part_for_the_audit_is_refused(tmp_path):
+    with pytest.raises(AuditError, match='weaker 0.3'):
+        page_of(tmp_path, [row()], 0.3)

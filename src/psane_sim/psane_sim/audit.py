@@ -16,6 +16,7 @@ from typing import Any
 
 from psane_planner.configuration import STRATEGIES, PlannerConfiguration
 from psane_sim.audit_figure import draw_audit
+from psane_sim.audit_page import command_of, write_page
 from psane_sim.audit_table import Row, as_markdown, summarise_rows
 from psane_sim.audit_trial import AuditSettings, Trial, run_trial
 from psane_sim.errors import AuditError
@@ -45,6 +46,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='a Dask scheduler, such as tcp://host:8786 (default: this machine)')
     parser.add_argument('--out', type=Path, default=Path('out/audit'), metavar='DIR',
                         help='where trials, table and figure go (default out/audit)')
+    parser.add_argument('--page', type=Path, metavar='FOLDER',
+                        help="also fill this audit's part of FOLDER/audit.md, with its figure")
     parser.add_argument('--json', action='store_true',
                         help='the table as one JSON object on standard output')
 
@@ -63,6 +66,9 @@ def run(options: argparse.Namespace) -> int:
     (options.out / 'table.md').write_text(as_markdown(table))
     (options.out / 'table.json').write_text(json.dumps(table, indent=2) + '\n')
     draw_audit(rows, table, options.out / 'audit.png')
+    if options.page is not None:
+        command = command_of(options.trials, options.first_seed, options.weaker)
+        write_page(options.page, options.weaker, command, rows, table, options.out / 'audit.png')
     print(json.dumps(table, indent=2) if options.json else as_markdown(table))
     print(f'written to {options.out}', file=sys.stderr)
     return 0
