@@ -3,7 +3,6 @@
 
 import math
 
-import numpy as np
 import pytest
 import shapely
 from hypothesis import given
@@ -117,6 +116,52 @@ def test_the_way_out_is_straight_and_passes_the_safety_stop(pitch, roll, linear,
     if out is None:
         return
     assert Tilt(pitch, roll).lean > configuration.lean_limit
-    assert out.angular == 0.0 and abs(out.linear) == configuration.retreat_speed
-    assert safety.is_safe(border, pose, STANDSTILL, out)
-    assert linear <= 0.0 and np.isfinite(out.linear)
+    assert abs(out.linear) == configuration.retreat_speed or out == (0.0, angular)
+    assert out.linear * out.angular == 0.0 and safety.is_safe(border, pose, STANDSTILL, out)
+    assert linear <= 0.0
+    assert out.linear >= 0.0 or Tilt(pitch, roll).lean <= configuration.backward_limit
+
+
+def way_out(tilt, wanted, pose=(2.0, 2.0, 0.0)):
+    made = controller_in(pose=pose)
+    made.command(0.0)
+    balance = Balance(made.configuration, SafetyStop(made.configuration))
+    balance.take(tilt)
+    return balance.way_out(made._guide.border, made.inputs.pose, STANDSTILL, wanted)
+
+
+@pytest.mark.parametrize('wanted', [Velocity(-0.2, 0.0), Velocity(-0.1, 0.3)])
+def test_a_robot_that_leans_far_is_not_levered_over_by_walking_backward(wanted):
+    speed = ReactiveConfiguration().retreat_speed
+    assert way_out(Tilt(-0.6, 0.2), wanted) == Velocity(speed, 0.0)
+    barred = way_out(Tilt(-0.6, 0.2), wanted, (3.99, 2.0, 0.0))
+    assert barred == Velocity(0.0, wanted.angular)
+
+
+def test_a_robot_that_leans_far_does_not_turn_by_walking_backward():
+    assert way_out(Tilt(0.7, 0.0), Velocity(0.0, 0.4)).linear > 0.0
+    assert way_out(Tilt(0.7, 0.0), Velocity(0.0, 0.4), (3.99, 2.0, 0.0)) is None
+
+
+def test_a_straight_way_out_ends_and_the_turn_is_made_all_the_same():
+    made = controller_in(tilt=NOSE_UP)
+    way = made.configuration.lean_way
+    first = settled(made, tilt=NOSE_UP)
+    assert first.linear > 0.0
+    there = (2.0 + way + 0.01, 2.0, 0.0)
+    for tick in range(40, 60):
+        made.set_odometry(there, (0.0, 0.0), 0.05 * tick, NOSE_UP)
+        command = made.command(0.05 * tick)
+    assert command.mode is Mode.TURN and command.linear == 0.0 and command.angular != 0.0
+
+
+def test_once_upright_again_a_robot_may_leave_straight_anew():
+    configuration = ReactiveConfiguration()
+    made = controller_in()
+    made.command(0.0)
+    balance = Balance(configuration, SafetyStop(configuration))
+    turn, border = Velocity(0.0, 0.4), made._guide.border
+    for tilt, goes in ((NOSE_UP, True), (Tilt(), False), (NOSE_UP, True)):
+        balance.take(tilt)
+        out = balance.way_out(border, made.inputs.pose, STANDSTILL, turn)
+        assert (out is not None) is goes

@@ -126,6 +126,12 @@ class ReactiveConfiguration(Configuration):
     lean_limit: float = parameter(
         0.28, 'tilt of the body above which it walks straight out instead of turning; 3.2 never',
         unit='rad', low=0.02, high=3.2)
+    lean_way: float = parameter(
+        0.3, 'longest straight way of a leaning robot before it turns all the same', unit='m',
+        low=0.0, high=2.0)
+    backward_limit: float = parameter(
+        0.5, 'tilt of the body above which it does not walk backward; 3.2 never', unit='rad',
+        low=0.02, high=3.2)
     fallen_above: float = parameter(
         1.2, 'tilt of the body above which it lies and its legs are kept still; 3.2 never',
         unit='rad', low=0.1, high=3.2)
