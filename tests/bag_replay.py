@@ -13,11 +13,11 @@ from rclpy.serialization import deserialize_message
 from psane_mapping.bag_file import BagFile
 from psane_mapping.conversions import cells_of
 from psane_reactive.conversions import region_of
-from psane_sim.lockstep_times import EVENTS, INPUTS, MILLISECOND, OUTPUTS, PLAN_STEP
-from psane_sim.ros_bag_scenarios import feed
-from psane_sim.ros_lockstep import LockstepGraph
-from psane_sim.ros_message_types import class_of
-from psane_sim.ros_quality import replaying
+from psane_sim.bags.lockstep_times import EVENTS, INPUTS, MILLISECOND, OUTPUTS, PLAN_STEP
+from psane_sim.bags.ros_bag_scenarios import feed
+from psane_sim.bags.ros_lockstep import LockstepGraph
+from psane_sim.bags.ros_message_types import class_of
+from psane_sim.bags.ros_quality import replaying
 
 BAGS = Path(__file__).resolve().parent / 'data' / 'bags'
 SECONDS = float(os.environ.get('PSANE_BAG_SECONDS', 'inf'))

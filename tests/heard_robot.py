@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 
 from psane_mapping.leg import RobotModel
+from psane_sim.check.topic_check import EXPECTATIONS
+from psane_sim.check.topic_record import Endpoint, Recording, TopicRecord
 from psane_sim.configuration import SimulatorConfiguration
-from psane_sim.hexapod import HexapodSimulator
-from psane_sim.sensing import Sensors
-from psane_sim.terrain import Terrain
-from psane_sim.topic_check import EXPECTATIONS
-from psane_sim.topic_record import Endpoint, Recording, TopicRecord
-from psane_sim.touch import ContactSensor
-from psane_sim.touch_configuration import TouchConfiguration
+from psane_sim.robot.hexapod import HexapodSimulator
+from psane_sim.terrains.terrain import Terrain
+from psane_sim.touch.configuration import TouchConfiguration
+from psane_sim.touch.contact_sensing import ContactSensor
+from psane_sim.touch.sensing import Sensors
 
 DURATION = 4.0
 FRAMES = {'odom': 'odom', 'joint_states': 'base_link', 'hip_wrenches': 'base_link',

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rows and runs of the paper's experiments as tests make them up."""
 
-from psane_sim.paper_settings import PaperSettings
-from psane_sim.paper_task import PaperTask, PaperTrial, Robot
+from psane_sim.paper.settings import PaperSettings
+from psane_sim.paper.task import PaperTask, PaperTrial, Robot
 
 SHORT = PaperTask(name='goal_short', terrain='env1', has_goal=True, duration=6.0)
 SHARED = PaperSettings()

@@ -14,14 +14,15 @@ PACKAGES = ('psane_mapping', 'psane_planner', 'psane_reactive', 'psane_sim')
 ROS_FILES = (
     '*/*_node.py', '*/ros_*.py', '*/conversions.py', '*/markers.py', '*/trail.py',
     'psane_mapping/quality_of_service.py', 'psane_mapping/running.py',
-    'psane_sim/graph_run.py', 'psane_sim/observer.py', 'psane_sim/processes.py',
+    'psane_sim/demo/graph_run.py', 'psane_sim/demo/observer.py', 'psane_sim/processes.py',
     'psane_sim/transforms.py',
 )
 
 # What a user starts: core itself, but it hands over to files that know ROS.
-ENTRY_SCRIPTS = ('psane_sim/demo.py', 'psane_sim/bench.py', 'psane_sim/check.py',
-                 'psane_sim/record.py', 'psane_sim/record_test_bags.py', 'psane_sim/replay.py',
-                 'psane_sim/viewer.py', 'psane_sim/team_demo.py')
+ENTRY_SCRIPTS = ('psane_sim/bench.py', 'psane_sim/check/command.py', 'psane_sim/demo/command.py',
+                 'psane_sim/demo/team_demo.py', 'psane_sim/viewer/command.py',
+                 'psane_sim/bags/record.py', 'psane_sim/bags/record_test_bags.py',
+                 'psane_sim/bags/replay.py')
 
 
 def modules_of(package: str) -> list[Path]:

@@ -25,17 +25,17 @@ from psane_mapping.grid import Grid
 from psane_mapping.quality_of_service import LATCHED, SENSORS
 from psane_mapping.sample_source import read_samples
 from psane_msgs.msg import SafeRegion
-from psane_sim.bag_selection import Renaming, Selection
-from psane_sim.bag_summary import in_short
-from psane_sim.bag_timing import compare
-from psane_sim.bag_writer import BagWriter
-from psane_sim.demo_options import assignment_of, parse
+from psane_sim.bags.read_ahead import ReadAhead
+from psane_sim.bags.replay_schedule import schedule
+from psane_sim.bags.ros_message_types import class_of, type_of
+from psane_sim.bags.ros_quality import hears, listening_to, quality_of
+from psane_sim.bags.selection import Renaming, Selection
+from psane_sim.bags.sequence_watch import SequenceWatch
+from psane_sim.bags.summary import in_short
+from psane_sim.bags.timing import compare
+from psane_sim.bags.writer import BagWriter
+from psane_sim.demo.options import assignment_of, parse
 from psane_sim.errors import TaskError
-from psane_sim.read_ahead import ReadAhead
-from psane_sim.replay_schedule import schedule
-from psane_sim.ros_message_types import class_of, type_of
-from psane_sim.ros_quality import hears, listening_to, quality_of
-from psane_sim.sequence_watch import SequenceWatch
 
 START = 1_700_000_000_000_000_000
 GRID = Grid.over_workspace(0.0, 0.0, 10.0, 10.0, 0.1)

@@ -13,9 +13,9 @@ from std_msgs.msg import String
 
 from psane_mapping.bag_file import BagFile
 from psane_mapping.quality_of_service import DEFAULT, LATCHED, SENSORS
-from psane_sim.bag_writer import BagWriter
-from psane_sim.ros_message_types import type_of
-from psane_sim.ros_quality import quality_of
+from psane_sim.bags.ros_message_types import type_of
+from psane_sim.bags.ros_quality import quality_of
+from psane_sim.bags.writer import BagWriter
 
 START = 1_700_000_000_000_000_000
 

@@ -13,7 +13,7 @@ import pytest
 from bag_replay import BAGS, replayed
 
 from psane_msgs.msg import PlannerStatus
-from psane_sim.lockstep_times import PLAN_STEP
+from psane_sim.bags.lockstep_times import PLAN_STEP
 
 # The first test of each bag takes the time of the whole run; a machine may be busy.
 pytestmark = pytest.mark.timeout(900)

@@ -18,7 +18,7 @@ from psane_mapping.grid import Grid
 from psane_planner.conversions import region_message
 from psane_reactive.conversions import region_of
 from psane_sim import conversions as sim_conversions
-from psane_sim.sensing import ImuSample, JointSample, OdometrySample, WrenchSample
+from psane_sim.touch.sensing import ImuSample, JointSample, OdometrySample, WrenchSample
 
 
 def sent(message):

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from psane_sim.demo import BAD_ARGUMENT, NO_SUCCESS, NODE_DIED, main
-from psane_sim.truth_log import read_truth
+from psane_sim.demo.command import BAD_ARGUMENT, NO_SUCCESS, NODE_DIED, main
+from psane_sim.runs.truth_log import read_truth
 
 NODES = ('hexapod_sim', 'contact_sensor', 'terrain_mapper', 'safe_planner', 'reactive_controller')
 STANDING = 0.04

@@ -34,11 +34,11 @@ from psane_planner.conversions import CERTIFIED, region_message
 from psane_reactive.conversions import region_of
 from psane_sim import conversions as sim_conversions
 from psane_sim.configuration import SimulatorConfiguration
-from psane_sim.hexapod import HexapodSimulator
-from psane_sim.sensing import OdometrySample, Sensors
-from psane_sim.terrain import Terrain
-from psane_sim.touch import ContactSensor
-from psane_sim.touch_configuration import TouchConfiguration
+from psane_sim.robot.hexapod import HexapodSimulator
+from psane_sim.terrains.terrain import Terrain
+from psane_sim.touch.configuration import TouchConfiguration
+from psane_sim.touch.contact_sensing import ContactSensor
+from psane_sim.touch.sensing import OdometrySample, Sensors
 
 GRID = Grid.over_workspace(0.0, 0.0, 10.0, 10.0, 0.1)
 

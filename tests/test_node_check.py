@@ -13,7 +13,7 @@ from psane_mapping.conversions import contact_message
 from psane_mapping.quality_of_service import COMMANDS, DEFAULT, ODOMETRY, ODOMETRY_INPUT, SENSORS
 from psane_msgs.msg import LegContact
 from psane_sim.conversions import HIP_NAMES, imu_message, joint_message, odometry_message
-from psane_sim.sensing import ImuSample, JointSample, OdometrySample
+from psane_sim.touch.sensing import ImuSample, JointSample, OdometrySample
 
 LISTENING = 5.0
 LEVEL = np.array([0.0, 0.0, 0.0, 1.0])

@@ -19,7 +19,7 @@ from psane_msgs.action import NavigateSafely
 from psane_msgs.msg import MapScale
 from psane_planner.navigation import ErrorCode
 from psane_sim import conversions as sim_conversions
-from psane_sim.sensing import OdometrySample
+from psane_sim.touch.sensing import OdometrySample
 
 GRID = Grid.over_workspace(0.0, 0.0, 10.0, 10.0, 0.1)
 

@@ -12,11 +12,11 @@ import pytest
 
 from psane_mapping.mapper import TerrainMapper
 from psane_planner.planner import SafePlanner
-from psane_sim.catalogue import load_terrain
-from psane_sim.closed_loop import ClosedLoop, Settings
 from psane_sim.configuration import SimulatorConfiguration
-from psane_sim.summary import Task
-from psane_sim.touch import ContactSensor
+from psane_sim.runs.closed_loop import ClosedLoop, Settings
+from psane_sim.runs.summary import Task
+from psane_sim.terrains.catalogue import load_terrain
+from psane_sim.touch.contact_sensing import ContactSensor
 
 STANDING = 0.02
 """A body slower than this stands [m/s]: a robot at rest creeps a thousand times slower."""

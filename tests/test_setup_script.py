@@ -234,7 +234,7 @@ def numba_cache(workspace, **settings):
 
 
 def test_machine_code_is_kept_until_a_compiled_source_changes(built):
-    compiled = built.root / 'src/psane_sim/psane_sim/soil.py'
+    compiled = built.root / 'src/psane_sim/psane_sim/soils/soil.py'
     touch(compiled, '@njit\ndef f(): ...\n')
     first = numba_cache(built)
     assert first.parent == built.root / '.psane/numba' and first.is_dir()

@@ -6,11 +6,12 @@ import json
 import numpy as np
 import pytest
 
-from psane_sim import audit, benchmark
-from psane_sim.audit_page import command_of, write_page
-from psane_sim.audit_table import as_markdown, summarise_rows
-from psane_sim.audit_trial import BETAS, AuditSettings, Trial, run_trial
+from psane_sim import benchmark
 from psane_sim.errors import AuditError
+from psane_sim.trials import audit
+from psane_sim.trials.audit_page import command_of, write_page
+from psane_sim.trials.audit_table import as_markdown, summarise_rows
+from psane_sim.trials.audit_trial import BETAS, AuditSettings, Trial, run_trial
 
 
 def row(family='smooth', seed=0, **changes):

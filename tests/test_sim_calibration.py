@@ -14,7 +14,7 @@ from psane_mapping.errors import ParameterError
 from psane_mapping.parameters import from_mapping
 from psane_mapping.propagation import slip_model_of
 from psane_mapping.slip import CalibratedSlipCurve
-from psane_sim.calibrate import (
+from psane_sim.calibration.calibrate import (
     BACKWARD,
     Walk,
     is_usual,
@@ -23,7 +23,7 @@ from psane_sim.calibrate import (
     rotary_walking,
     strength_scale,
 )
-from psane_sim.calibration import (
+from psane_sim.calibration.calibration import (
     Calibration,
     SweepResponse,
     fit_feed_forward,
@@ -31,10 +31,10 @@ from psane_sim.calibration import (
     mapper_parameters,
     read_calibration,
 )
+from psane_sim.calibration.ladder import REFERENCE, Stride
+from psane_sim.calibration.twist_tracking import centred, tracking_of
 from psane_sim.configuration import SimulatorConfiguration
-from psane_sim.ladder import REFERENCE, Stride
-from psane_sim.robots import RobotFileError, read_robot, robot_names
-from psane_sim.twist_tracking import centred, tracking_of
+from psane_sim.robot.robots import RobotFileError, read_robot, robot_names
 
 SHIPPED = Path(psane_sim.__file__).parent / 'data' / 'calibration'
 STRENGTH = np.geomspace(0.03, 3.0, 11)

@@ -10,10 +10,10 @@ from heard_robot import good_recording, with_column, with_contacts, with_topic
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from psane_sim.check import main, report
-from psane_sim.check_settings import CheckSettings
-from psane_sim.topic_check import EXPECTATIONS, judge
-from psane_sim.topic_record import Endpoint, Recording, TopicRecord
+from psane_sim.check.command import main, report
+from psane_sim.check.settings import CheckSettings
+from psane_sim.check.topic_check import EXPECTATIONS, judge
+from psane_sim.check.topic_record import Endpoint, Recording, TopicRecord
 
 SETTINGS = CheckSettings()
 GOOD = good_recording()

@@ -9,18 +9,18 @@ import pytest
 from psane_mapping.configuration import MappingConfiguration
 from psane_mapping.parameters import from_mapping
 from psane_mapping.propagation import slip_model_of
-from psane_sim.calibration import read_calibration
-from psane_sim.catalogue import load_terrain
-from psane_sim.chosen_robot import CALIBRATIONS, choose_robot
+from psane_sim.calibration.calibration import read_calibration
 from psane_sim.configuration import SOIL_NAMES, SimulatorConfiguration
-from psane_sim.demo_options import assignment_of, parse
+from psane_sim.demo.options import assignment_of, parse
 from psane_sim.errors import SimulationError
-from psane_sim.feed_forward import Sweep
-from psane_sim.robots import robot_names
-from psane_sim.run_record import RunRecord
-from psane_sim.touch_configuration import TouchConfiguration
-from psane_sim.touch_summary import touch_in_words, touch_summary, write_strides
-from psane_sim.truth_log import TruthEntry
+from psane_sim.robot.chosen_robot import CALIBRATIONS, choose_robot
+from psane_sim.robot.feed_forward import Sweep
+from psane_sim.robot.robots import robot_names
+from psane_sim.runs.run_record import RunRecord
+from psane_sim.runs.truth_log import TruthEntry
+from psane_sim.terrains.catalogue import load_terrain
+from psane_sim.touch.configuration import TouchConfiguration
+from psane_sim.touch.summary import touch_in_words, touch_summary, write_strides
 
 
 def test_the_default_robot_changes_no_parameter_and_no_ground():

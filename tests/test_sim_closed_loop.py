@@ -9,9 +9,9 @@ import pytest
 from source_tree import ROOT
 
 from psane_planner.configuration import PlannerConfiguration
-from psane_sim.catalogue import load_terrain
-from psane_sim.closed_loop import ClosedLoop, Settings
-from psane_sim.summary import Ending, Task, is_success, summarise
+from psane_sim.runs.closed_loop import ClosedLoop, Settings
+from psane_sim.runs.summary import Ending, Task, is_success, summarise
+from psane_sim.terrains.catalogue import load_terrain
 
 CORE_CLASSES = {
     'HexapodSimulator': 'psane_sim/psane_sim/hexapod_sim_node.py',
@@ -22,8 +22,9 @@ CORE_CLASSES = {
     'SafePlanner': 'psane_planner/psane_planner/safe_planner_node.py',
     'ReactiveController': 'psane_reactive/psane_reactive/reactive_controller_node.py',
 }
-TRUTH = {'psane_sim.terrain', 'psane_sim.truth', 'psane_sim.catalogue', 'psane_sim.scoring',
-         'psane_sim.strength_field', 'psane_sim.hexapod', 'psane_sim.soil', 'psane_sim.truth_log'}
+TRUTH = {'psane_sim.terrains.terrain', 'psane_sim.terrains.catalogue', 'psane_sim.robot.truth',
+         'psane_sim.robot.hexapod', 'psane_sim.soils.soil', 'psane_sim.soils.strength_field',
+         'psane_sim.runs.scoring', 'psane_sim.runs.truth_log'}
 
 
 def run(seed, duration, strategy='psane_geodesic', goal=None):
@@ -107,7 +108,7 @@ def test_walking_straight_to_the_goal_ends_in_the_soft_ground():
 @pytest.mark.parametrize('name', CORE_CLASSES)
 def test_nodes_and_the_loop_in_one_process_make_the_same_classes(name):
     in_node = classes_called(CORE_CLASSES[name])
-    in_loop = classes_called('psane_sim/psane_sim/closed_loop.py')
+    in_loop = classes_called('psane_sim/psane_sim/runs/closed_loop.py')
     assert name in in_node
     assert in_node[name] == in_loop[name] is not None
 
@@ -122,7 +123,8 @@ def test_nothing_behind_the_published_topics_can_read_the_truth():
     packages = ('psane_mapping', 'psane_planner', 'psane_reactive')
     files = [path for package in packages
              for path in (ROOT / 'src' / package / package).rglob('*.py')]
-    sensing = ('touch.py', 'contact_sensor_node.py', 'motion_estimate.py', 'instant.py')
+    sensing = ('touch/contact_sensing.py', 'contact_sensor_node.py', 'touch/motion_estimate.py',
+               'touch/instant.py')
     files += [ROOT / 'src/psane_sim/psane_sim' / name for name in sensing]
     for path in files:
         assert not imports(path) & TRUTH, path

@@ -9,10 +9,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from psane_mapping.leg import TRIPOD
+from psane_sim.calibration.ladder import REFERENCE_SPEED
 from psane_sim.configuration import SimulatorConfiguration
-from psane_sim.feed_forward import sweeps_of
-from psane_sim.gait import Gait, wrap
-from psane_sim.ladder import REFERENCE_SPEED
+from psane_sim.robot.feed_forward import sweeps_of
+from psane_sim.robot.gait import Gait, wrap
 
 law = settings(deadline=None, derandomize=True, max_examples=40)
 CONFIG = SimulatorConfiguration()

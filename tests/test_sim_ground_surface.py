@@ -9,9 +9,11 @@ import pytest
 from psane_mapping.grid import Grid
 from psane_mapping.leg import RobotModel
 from psane_sim.configuration import SimulatorConfiguration
-from psane_sim.element_soil import ElementSoil
 from psane_sim.errors import SimulationError
-from psane_sim.ground_surface import (
+from psane_sim.robot.hexapod import HexapodSimulator
+from psane_sim.soils.element_soil import ElementSoil
+from psane_sim.soils.family import granular_law
+from psane_sim.soils.ground_surface import (
     HeightField,
     compaction_of,
     fresh_prints,
@@ -19,10 +21,8 @@ from psane_sim.ground_surface import (
     normal_at,
     pit_at,
 )
-from psane_sim.hexapod import HexapodSimulator
-from psane_sim.soil import RobotState
-from psane_sim.soil_family import granular_law
-from psane_sim.terrain import Terrain
+from psane_sim.soils.soil import RobotState
+from psane_sim.terrains.terrain import Terrain
 
 GRID = Grid.over_workspace(0.0, 0.0, 10.0, 10.0, 0.5)
 ROBOT = RobotModel()

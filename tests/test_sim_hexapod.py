@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from psane_mapping.parameters import from_mapping
+from psane_sim.calibration.ladder import REFERENCE, measure_creep, measure_slip
 from psane_sim.configuration import SimulatorConfiguration
 from psane_sim.errors import StartError
-from psane_sim.gravity import GRAVITY
-from psane_sim.hexapod import HexapodSimulator
-from psane_sim.ladder import REFERENCE, measure_creep, measure_slip
-from psane_sim.terrain import Terrain
+from psane_sim.robot.gravity import GRAVITY
+from psane_sim.robot.hexapod import HexapodSimulator
+from psane_sim.terrains.terrain import Terrain
 
 CONFIG = SimulatorConfiguration()
 CENTRE = (5.0, 5.0, 0.0)

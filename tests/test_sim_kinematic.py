@@ -12,13 +12,19 @@ from psane_mapping.configuration import MappingConfiguration
 from psane_mapping.mapper import TerrainMapper, TerrainSample
 from psane_planner.geodesic import travel_time
 from psane_planner.status import PlannerState
-from psane_sim.catalogue import load_terrain
-from psane_sim.kinematic import FEET, FIRM_SLIP, TRIPODS, KinematicConfiguration, KinematicRobot
-from psane_sim.kinematic_loop import KinematicLoop, KinematicSettings
-from psane_sim.omniscient import least_length, least_time, truly_free
-from psane_sim.simulated_touch import SimulatedTouch, SimulatedTouchConfiguration
-from psane_sim.summary import Ending, Task
-from psane_sim.terrain import Terrain, strength_of_slip
+from psane_sim.runs.kinematic import (
+    FEET,
+    FIRM_SLIP,
+    TRIPODS,
+    KinematicConfiguration,
+    KinematicRobot,
+)
+from psane_sim.runs.kinematic_loop import KinematicLoop, KinematicSettings
+from psane_sim.runs.simulated_touch import SimulatedTouch, SimulatedTouchConfiguration
+from psane_sim.runs.summary import Ending, Task
+from psane_sim.terrains.catalogue import load_terrain
+from psane_sim.terrains.omniscient import least_length, least_time, truly_free
+from psane_sim.terrains.terrain import Terrain, strength_of_slip
 
 STILL = KinematicConfiguration(sway=0.0)
 DETAILS = {'threshold': 0.5, 'clearance': 0.17, 'border_width': 0.3, 'goal_tolerance': 0.3}

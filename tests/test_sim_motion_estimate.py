@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from psane_sim.complementary import added_up, corrected, corrected_attitude, smooth
-from psane_sim.height_bias import HeightBias, HeightOffset, offset_of
+from psane_sim.touch.complementary import added_up, corrected, corrected_attitude, smooth
+from psane_sim.touch.height_bias import HeightBias, HeightOffset, offset_of
 
 law = settings(deadline=None, derandomize=True, max_examples=40)
 TIME = np.arange(160) * 0.005

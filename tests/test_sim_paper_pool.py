@@ -8,8 +8,8 @@ import time
 
 import pytest
 
-from psane_sim.steady_pool import run_steadily
-from psane_sim.work_estimate import WorkBar, WorkEstimate
+from psane_sim.trials.steady_pool import run_steadily
+from psane_sim.trials.work_estimate import WorkBar, WorkEstimate
 
 FATAL = 3
 

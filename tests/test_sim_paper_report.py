@@ -16,15 +16,16 @@ from paper_rows import SHORT
 from PIL import Image
 
 from psane_mapping.grid import Grid
-from psane_sim import benchmark, paper
-from psane_sim.animation import FRAME_TIME, SIZE, Posture, animate, map_picture, pixels_of
-from psane_sim.catalogue import load_terrain
+from psane_sim import benchmark
 from psane_sim.configuration import SimulatorConfiguration
-from psane_sim.hexapod import HexapodSimulator
-from psane_sim.html_report import Picture, Section, as_html, html_report
-from psane_sim.paper_task import Robot
-from psane_sim.run_data import StoredRun
-from psane_sim.terrain import Terrain
+from psane_sim.paper import command as paper
+from psane_sim.paper.html_report import Picture, Section, as_html, html_report
+from psane_sim.paper.task import Robot
+from psane_sim.robot.hexapod import HexapodSimulator
+from psane_sim.runs.animation import FRAME_TIME, SIZE, Posture, animate, map_picture, pixels_of
+from psane_sim.runs.run_data import StoredRun
+from psane_sim.terrains.catalogue import load_terrain
+from psane_sim.terrains.terrain import Terrain
 
 TASKS = (replace(SHORT, duration=11.0),
          replace(SHORT, name='explore_short', has_goal=False, duration=11.0))

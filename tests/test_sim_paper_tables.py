@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from paper_rows import row
 
-from psane_sim.ablation_report import study_table, variant_groups
-from psane_sim.ablations import STUDIES, ablation_trials, twin_of
-from psane_sim.paper_groups import QUANTITIES, Group, grouped, quantity_named
-from psane_sim.paper_remarks import remark_on
-from psane_sim.paper_tables import as_latex, as_markdown, groups_as_csv, trials_as_csv
-from psane_sim.paper_task import Robot
-from psane_sim.published import PUBLISHED, published_for
+from psane_sim.paper.ablation_report import study_table, variant_groups
+from psane_sim.paper.ablations import STUDIES, ablation_trials, twin_of
+from psane_sim.paper.groups import QUANTITIES, Group, grouped, quantity_named
+from psane_sim.paper.published import PUBLISHED, published_for
+from psane_sim.paper.remarks import remark_on
+from psane_sim.paper.tables import as_latex, as_markdown, groups_as_csv, trials_as_csv
+from psane_sim.paper.task import Robot
 
 TIME, PATH, SUCCESS = (quantity_named(name) for name in ('time_s', 'path_m', 'success'))
 

@@ -13,11 +13,10 @@ from psane_mapping.contact import LegContact
 from psane_mapping.errors import ParameterError
 from psane_mapping.mapper import TerrainMapper
 from psane_mapping.sample_file import parse
-from psane_sim import ablations, paper_trial
-from psane_sim.ablations import STUDIES, ablation_trials, twin_of
-from psane_sim.closed_loop import Settings
-from psane_sim.kinematic_loop import KinematicSettings
-from psane_sim.paper_settings import (
+from psane_sim.paper import ablations
+from psane_sim.paper import trial as paper_trial
+from psane_sim.paper.ablations import STUDIES, ablation_trials, twin_of
+from psane_sim.paper.settings import (
     NOISE,
     TOUCH_METHOD,
     PaperSettings,
@@ -25,15 +24,17 @@ from psane_sim.paper_settings import (
     fingerprint_of,
     loop_settings,
 )
-from psane_sim.paper_task import PAPER_TASKS, STRATEGIES, Robot, paper_trials, task_on
-from psane_sim.paper_trial import FAILED, run_paper_trial
-from psane_sim.run_data import read_run
-from psane_sim.run_record import RunRecord
-from psane_sim.run_watch import STUCK_TIME, RunWatch, packed, unpacked
-from psane_sim.scoring import Score
-from psane_sim.summary import Ending
-from psane_sim.terrain import Terrain
-from psane_sim.touch_method import TouchMethod, felt_by
+from psane_sim.paper.task import PAPER_TASKS, STRATEGIES, Robot, paper_trials, task_on
+from psane_sim.paper.trial import FAILED, run_paper_trial
+from psane_sim.runs.closed_loop import Settings
+from psane_sim.runs.kinematic_loop import KinematicSettings
+from psane_sim.runs.run_data import read_run
+from psane_sim.runs.run_record import RunRecord
+from psane_sim.runs.run_watch import STUCK_TIME, RunWatch, packed, unpacked
+from psane_sim.runs.scoring import Score
+from psane_sim.runs.summary import Ending
+from psane_sim.terrains.terrain import Terrain
+from psane_sim.touch.method import TouchMethod, felt_by
 
 
 @pytest.fixture(scope='module')

@@ -22,14 +22,14 @@ def test_the_engine_announces_itself_when_nobody_silences_it():
 
 
 def test_nothing_but_what_the_program_prints_is_on_its_streams():
-    said = output_of('print("before")\nfrom psane_sim import engine\nprint("{}")')
+    said = output_of('print("before")\nfrom psane_sim.robot import engine\nprint("{}")')
     assert said == ('before\n{}\n', '')
 
 
 @pytest.mark.parametrize('stream', [1, 2])
 def test_a_closed_stream_does_no_harm(stream):
     output_of(f'import os\nos.close({stream})\n'
-              'from psane_sim.quiet_pybullet import pybullet\n'
+              'from psane_sim.robot.quiet_pybullet import pybullet\n'
               'pybullet.connect(pybullet.DIRECT)')
 
 

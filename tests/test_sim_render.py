@@ -4,9 +4,9 @@
 import numpy as np
 
 from psane_sim.configuration import SimulatorConfiguration
-from psane_sim.hexapod import HexapodSimulator
-from psane_sim.render import Camera
-from psane_sim.terrain import Terrain
+from psane_sim.robot.hexapod import HexapodSimulator
+from psane_sim.robot.render import Camera
+from psane_sim.terrains.terrain import Terrain
 
 SIZE = (160, 120)
 

@@ -11,15 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from psane_mapping.grid import Grid
-from psane_sim.catalogue import load_terrain
-from psane_sim.feed_forward import Sweep
-from psane_sim.instant import LONGEST_WAIT, InstantCollector
 from psane_sim.pacing import LARGEST_BURST, Pacer
 from psane_sim.progress import Progress, ProgressLine
-from psane_sim.scoring import Scorer, reachable_safe_cells
-from psane_sim.sensing import ImuSample, JointSample, WrenchSample
-from psane_sim.summary import Ending, Outcome, Task, is_success, summarise, write_summary
-from psane_sim.truth_log import TruthEntry, TruthLog, TruthLogError, read_truth
+from psane_sim.robot.feed_forward import Sweep
+from psane_sim.runs.scoring import Scorer, reachable_safe_cells
+from psane_sim.runs.summary import Ending, Outcome, Task, is_success, summarise, write_summary
+from psane_sim.runs.truth_log import TruthEntry, TruthLog, TruthLogError, read_truth
+from psane_sim.terrains.catalogue import load_terrain
+from psane_sim.touch.instant import LONGEST_WAIT, InstantCollector
+from psane_sim.touch.sensing import ImuSample, JointSample, WrenchSample
 from psane_sim.watchdog import CommandWatchdog
 
 GRID = Grid.over_workspace(0.0, 0.0, 10.0, 10.0, 0.1)

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from psane_sim.configuration import SimulatorConfiguration
-from psane_sim.feed_forward import Sweep
-from psane_sim.sensing import Sensors
-from psane_sim.truth import Truth
+from psane_sim.robot.feed_forward import Sweep
+from psane_sim.robot.truth import Truth
+from psane_sim.touch.sensing import Sensors
 
 CONFIG = SimulatorConfiguration()
 COUNT = 4000

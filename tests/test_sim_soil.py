@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from psane_mapping.leg import RobotModel, elements_in_base
 from psane_mapping.leg_response import LegMotion, leg_response
 from psane_mapping.rft import flowing_forces
-from psane_sim.element_soil import ElementSoil
-from psane_sim.soil import BODY, RobotState
-from psane_sim.soil_family import granular_law
-from psane_sim.terrain import Terrain
+from psane_sim.soils.element_soil import ElementSoil
+from psane_sim.soils.family import granular_law
+from psane_sim.soils.soil import BODY, RobotState
+from psane_sim.terrains.terrain import Terrain
 
 law = settings(deadline=None, derandomize=True, max_examples=30)
 ROBOT = RobotModel()

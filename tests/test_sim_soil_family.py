@@ -5,15 +5,15 @@ import numpy as np
 import pytest
 
 from psane_mapping.leg import RobotModel
+from psane_sim.calibration.ladder import measure_slip
 from psane_sim.configuration import SOIL_NAMES, SimulatorConfiguration
-from psane_sim.element_soil import ElementSoil, SoilLaw
-from psane_sim.gravity import GRAVITY
-from psane_sim.hexapod import HexapodSimulator
-from psane_sim.ladder import measure_slip
-from psane_sim.soil import BODY, RobotState
-from psane_sim.soil_family import SOILS
-from psane_sim.soil_laws import CONTACT
-from psane_sim.terrain import Terrain
+from psane_sim.robot.gravity import GRAVITY
+from psane_sim.robot.hexapod import HexapodSimulator
+from psane_sim.soils.element_soil import ElementSoil, SoilLaw
+from psane_sim.soils.family import SOILS
+from psane_sim.soils.laws import CONTACT
+from psane_sim.soils.soil import BODY, RobotState
+from psane_sim.terrains.terrain import Terrain
 
 ROBOT = RobotModel()
 TICK = 0.001

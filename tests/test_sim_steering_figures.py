@@ -11,7 +11,7 @@ from psane_reactive.clearance import Border
 from psane_reactive.command import Command, Mode
 from psane_reactive.watched import Tick
 from psane_sim.bench import main
-from psane_sim.steering_figures import Findings
+from psane_sim.runs.steering_figures import Findings
 
 WIDE, NARROW = Border(shapely.box(0, 0, 4, 2)), Border(shapely.box(0, 0, 2, 2))
 

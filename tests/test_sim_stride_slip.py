@@ -6,14 +6,14 @@ import pytest
 
 from psane_mapping.errors import ParameterError
 from psane_mapping.grid import Grid
+from psane_sim.calibration.ladder import measure_slip
+from psane_sim.calibration.steered_walks import SteeredWalks, read_walks
+from psane_sim.calibration.stride_slip import WALKS, StrideSlip, compare, strides_of, ways_ahead
+from psane_sim.calibration.twist_trials import FALLEN, walk_at_random
 from psane_sim.configuration import SimulatorConfiguration
-from psane_sim.hexapod import HexapodSimulator
-from psane_sim.ladder import measure_slip
-from psane_sim.steered_walks import SteeredWalks, read_walks
-from psane_sim.stride_slip import WALKS, StrideSlip, compare, strides_of, ways_ahead
-from psane_sim.terrain import Terrain
-from psane_sim.truth_log import TruthEntry
-from psane_sim.twist_trials import FALLEN, walk_at_random
+from psane_sim.robot.hexapod import HexapodSimulator
+from psane_sim.runs.truth_log import TruthEntry
+from psane_sim.terrains.terrain import Terrain
 
 CONFIG = SimulatorConfiguration()
 TABLE = read_walks(WALKS)
@@ -103,7 +103,7 @@ def test_a_map_is_compared_over_the_whole_way_of_a_stride():
 
 
 def test_random_commands_do_not_make_it_fall():
-    # A thousand are walked by `python -m psane_sim.twist_trials`.
+    # A thousand are walked by `python -m psane_sim.calibration.twist_trials`.
     trials = [walk_at_random(seed) for seed in range(5000, 5006)]
     assert all(trial.tilt < FALLEN for trial in trials)
     assert [walk_at_random(5000)] == trials[:1]

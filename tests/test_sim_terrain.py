@@ -9,13 +9,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from psane_mapping.slip import CalibratedSlipCurve
-from psane_sim import heterogeneous
-from psane_sim.catalogue import SHIPPED, load_terrain, read_slip
-from psane_sim.endpoints import connected
 from psane_sim.errors import TerrainFileError, UnknownTerrainError
-from psane_sim.gaussian_mixture import Gaussian, mixture_slip
-from psane_sim.random_terrain import FAMILIES, SHORTEST_MISSION, random_terrain
-from psane_sim.terrain import STRENGTH_RANGE, Terrain, strength_of_slip
+from psane_sim.terrains import heterogeneous
+from psane_sim.terrains.catalogue import SHIPPED, load_terrain, read_slip
+from psane_sim.terrains.endpoints import connected
+from psane_sim.terrains.gaussian_mixture import Gaussian, mixture_slip
+from psane_sim.terrains.random_terrain import FAMILIES, SHORTEST_MISSION, random_terrain
+from psane_sim.terrains.terrain import STRENGTH_RANGE, Terrain, strength_of_slip
 
 law = settings(deadline=None, derandomize=True, max_examples=40)
 HEADER = 'gaussian_x,gaussian_y,std_x,std_y,rotation,amplitude\n'

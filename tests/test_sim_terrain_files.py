@@ -4,10 +4,10 @@
 import numpy as np
 import pytest
 
-from psane_sim.catalogue import load_terrain, read_slip
 from psane_sim.errors import TerrainFileError
-from psane_sim.terrain import Terrain
-from psane_sim.terrain_sense import nonsense_of
+from psane_sim.terrains.catalogue import load_terrain, read_slip
+from psane_sim.terrains.terrain import Terrain
+from psane_sim.terrains.terrain_sense import nonsense_of
 
 
 @pytest.fixture

@@ -10,11 +10,11 @@ import pytest
 from psane_mapping.configuration import MappingConfiguration
 from psane_mapping.strength import StrengthEstimate, estimate_strength
 from psane_sim.configuration import SimulatorConfiguration
-from psane_sim.hexapod import HexapodSimulator
-from psane_sim.sensing import Sensors
-from psane_sim.terrain import Terrain
-from psane_sim.touch import ContactSensor, Dropped
-from psane_sim.touch_configuration import TouchConfiguration
+from psane_sim.robot.hexapod import HexapodSimulator
+from psane_sim.terrains.terrain import Terrain
+from psane_sim.touch.configuration import TouchConfiguration
+from psane_sim.touch.contact_sensing import ContactSensor, Dropped
+from psane_sim.touch.sensing import Sensors
 
 
 def walk(strength, seconds, command, *, noise=1.0, seed=1, odometry_until=math.inf):

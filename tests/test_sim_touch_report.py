@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from psane_mapping.configuration import MappingConfiguration
-from psane_sim.touch_report import OTHER_GAITS, STRAIGHT, Effort, _felt, errors_of, figures
+from psane_sim.touch.report import OTHER_GAITS, STRAIGHT, Effort, _felt, errors_of, figures
 
 EFFORT = Effort(seconds=5.0, draws=3, strengths=(0.05, 0.2, 0.8, 3.0))
 CONFIG = MappingConfiguration()

@@ -14,15 +14,15 @@ from psane_mapping.conversions import seconds
 from psane_mapping.grid import Grid
 from psane_mapping.quality_of_service import DEFAULT, ODOMETRY_INPUT
 from psane_planner.status import PlannerState
-from psane_sim.closed_loop import Settings
-from psane_sim.demo import BAD_ARGUMENT, main
-from psane_sim.demo_options import parse
-from psane_sim.neighbours import least_distance, taken_cells
+from psane_sim.demo.command import BAD_ARGUMENT, main
+from psane_sim.demo.options import parse
+from psane_sim.demo.team_demo import members_of
 from psane_sim.pacing import LARGEST_BURST, Follower
-from psane_sim.patience import PATIENCE, Patience
-from psane_sim.summary import Ending
-from psane_sim.team_demo import members_of
-from psane_sim.team_loop import TeamLoop
+from psane_sim.runs.closed_loop import Settings
+from psane_sim.runs.neighbours import least_distance, taken_cells
+from psane_sim.runs.patience import PATIENCE, Patience
+from psane_sim.runs.summary import Ending
+from psane_sim.runs.team_loop import TeamLoop
 
 GRID = Grid.over_workspace(0.0, 0.0, 10.0, 10.0, 0.1)
 inside = st.tuples(st.floats(0.0, 10.0), st.floats(0.0, 10.0))

@@ -64,8 +64,8 @@ def open_page(browser):
 @pytest.fixture
 def scene():
     """A live view of one robot on a map, as a server in this process."""
-    from psane_sim.live_view import LiveView
-    from psane_sim.view_server import address_of, open_server
+    from psane_sim.viewer.live_view import LiveView
+    from psane_sim.viewer.server import address_of, open_server
     server = open_server()
     view = LiveView(server, [''], RobotModel(), record=True)
     view.take_map('slip', GRID, np.full(GRID.shape, 0.2))
@@ -174,7 +174,7 @@ def odometry_at(place):
 
 def test_the_executable_shows_what_it_hears_and_a_click_sets_the_goal(
         open_page, start_node, probe, tmp_path):
-    from psane_sim.view_server import free_port
+    from psane_sim.viewer.server import free_port
     port, export = free_port(), tmp_path / 'run.html'
     viewer = start_node('psane_sim', 'viewer', '--port', str(port), '--export', str(export))
     probe.speak(OccupancyGrid, 'slip/mean', LATCHED)

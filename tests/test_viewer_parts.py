@@ -11,11 +11,12 @@ from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
 from psane_mapping.leg import RobotModel
-from psane_sim.leg_mesh import half_circle
-from psane_sim.view_colours import picture_of, shades_of
-from psane_sim.view_data import Situation
-from psane_sim.view_series import MOST_POINTS, RealTimeFactor, Series
-from psane_sim.view_shapes import (
+from psane_sim.robot.leg_mesh import half_circle
+from psane_sim.viewer.colours import picture_of, shades_of
+from psane_sim.viewer.command import BAD_ARGUMENT, main
+from psane_sim.viewer.data import Situation
+from psane_sim.viewer.series import MOST_POINTS, RealTimeFactor, Series
+from psane_sim.viewer.shapes import (
     NEWTON,
     foot_points,
     force_arrows,
@@ -23,8 +24,7 @@ from psane_sim.view_shapes import (
     outline,
     rotation_of,
 )
-from psane_sim.view_words import headline, paragraph
-from psane_sim.viewer import BAD_ARGUMENT, main
+from psane_sim.viewer.words import headline, paragraph
 
 coordinate = st.floats(-5.0, 5.0)
 LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
@@ -151,7 +151,7 @@ def test_a_bad_argument_of_the_viewer_gets_a_sentence(arguments, sentence, capsy
 
 def test_only_this_machine_is_listened_to_and_a_taken_port_is_named():
     pytest.importorskip('viser')
-    from psane_sim.view_server import ViewError, free_port, open_server
+    from psane_sim.viewer.server import ViewError, free_port, open_server
     port = free_port()
     server = open_server(port=port)
     try:

@@ -12,12 +12,12 @@ from contacts_from_csv.table import SAMPLE_COLUMNS, STANCE_COLUMNS
 
 from psane_mapping.contact import LegContact
 from psane_mapping.leg import RobotModel
-from psane_sim.catalogue import load_terrain
 from psane_sim.configuration import SimulatorConfiguration
-from psane_sim.hexapod import HexapodSimulator
-from psane_sim.sensing import Sensors
-from psane_sim.touch import ContactSensor
-from psane_sim.touch_configuration import TouchConfiguration
+from psane_sim.robot.hexapod import HexapodSimulator
+from psane_sim.terrains.catalogue import load_terrain
+from psane_sim.touch.configuration import TouchConfiguration
+from psane_sim.touch.contact_sensing import ContactSensor
+from psane_sim.touch.sensing import Sensors
 
 TABLE = Path(__file__).resolve().parent / 'data' / 'contacts.csv'
 COMMAND = (0.2, 0.0)

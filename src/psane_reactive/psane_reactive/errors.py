@@ -31,5 +31,5 @@ class RecordingError(ReactiveError, ValueError):
 
     def __init__(self, path: Path, cause: str) -> None:
         super().__init__(f'{path} holds no recorded regions: {cause}; '
-                         'make it anew with psane_sim.record_regions')
+                         'make it anew with psane_sim.runs.record_regions')
         self.path = path

@@ -12,7 +12,7 @@ from psane_mapping.grid import FloatArray, IndexArray
 from psane_reactive.errors import RecordingError
 
 SHIPPED = Path(__file__).parent / 'data' / 'recorded_regions.npz'
-"""The recording that comes with the package; `psane_sim.record_regions` makes it anew."""
+"""The recording that comes with the package; `psane_sim.runs.record_regions` makes it anew."""
 
 _FIELDS = ('points', 'ring_sizes', 'ring_counts', 'positions', 'subgoals', 'times', 'sources')
 

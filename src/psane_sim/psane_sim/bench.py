@@ -11,11 +11,12 @@ from pathlib import Path
 from psane_mapping import benchmark as map_benchmark
 from psane_planner import benchmark as plan_benchmark
 from psane_reactive import benchmark as steer_benchmark
-from psane_sim import simulator_benchmark, touch_report
-from psane_sim.catalogue import load_terrain
-from psane_sim.closed_loop import ClosedLoop, Settings
+from psane_sim import simulator_benchmark
 from psane_sim.measured_page import page_of
-from psane_sim.summary import Task
+from psane_sim.runs.closed_loop import ClosedLoop, Settings
+from psane_sim.runs.summary import Task
+from psane_sim.terrains.catalogue import load_terrain
+from psane_sim.touch import report as touch_report
 
 LOOP_SECONDS = 30.0
 """Simulated time of the closed loop that is measured [s]."""
@@ -52,7 +53,7 @@ def measure_map() -> dict[str, float]:
 def measure_steering() -> dict[str, float]:
     """Return every figure of the steering, those of the physics with them: an hour or more."""
     # Only here: the other parts need none of it.
-    from psane_sim import steering_figures
+    from psane_sim.runs import steering_figures
     return {**steer_benchmark.measure_full(), **steering_figures.measure()}
 
 

@@ -14,8 +14,8 @@ from types import FrameType
 
 from psane_sim.errors import SimulationError
 
-EXPERIMENTS = {'audit': 'psane_sim.audit', 'paper': 'psane_sim.paper',
-               'replay': 'psane_sim.replay_row'}
+EXPERIMENTS = {'audit': 'psane_sim.trials.audit', 'paper': 'psane_sim.paper.command',
+               'replay': 'psane_sim.paper.replay_row'}
 """Module of each experiment."""
 
 

@@ -13,10 +13,10 @@ from psane_mapping.ros_parameters import ParameterBridge
 from psane_mapping.running import Diagnostics, Intake, run_node
 from psane_msgs.msg import HipWrenches, LegContact
 from psane_sim.conversions import imu_of, joints_of, odometry_of, wrenches_of
-from psane_sim.instant import InstantCollector
 from psane_sim.node_configuration import ContactSensorNodeConfiguration
-from psane_sim.touch import ContactSensor
-from psane_sim.touch_configuration import TouchConfiguration
+from psane_sim.touch.configuration import TouchConfiguration
+from psane_sim.touch.contact_sensing import ContactSensor
+from psane_sim.touch.instant import InstantCollector
 
 
 class ContactSensorNode(Node):

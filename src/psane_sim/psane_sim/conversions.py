@@ -11,7 +11,7 @@ from psane_mapping.errors import MessageError
 from psane_mapping.grid import FloatArray
 from psane_mapping.leg import LEG_NAMES
 from psane_msgs.msg import HipWrenches
-from psane_sim.sensing import ImuSample, JointSample, OdometrySample, WrenchSample
+from psane_sim.touch.sensing import ImuSample, JointSample, OdometrySample, WrenchSample
 
 HIP_NAMES = [f'{name}_hip' for name in LEG_NAMES]
 """Names of the joints, in the order of every array of six."""

@@ -24,7 +24,7 @@ from psane_sim.node_configuration import (
     ContactSensorNodeConfiguration,
     SimulatorNodeConfiguration,
 )
-from psane_sim.touch_configuration import TouchConfiguration
+from psane_sim.touch.configuration import TouchConfiguration
 
 PARAMETERS: dict[tuple[str, str], list[type[Configuration]]] = {
     ('psane_mapping', 'terrain_mapper'): [MappingConfiguration],

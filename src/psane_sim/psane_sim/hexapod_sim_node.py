@@ -20,18 +20,18 @@ from psane_mapping.ros_parameters import ParameterBridge
 from psane_mapping.running import Diagnostics, Intake, run_node
 from psane_msgs.msg import HipWrenches
 from psane_sim import conversions
-from psane_sim.catalogue import load_terrain
 from psane_sim.configuration import SimulatorConfiguration
-from psane_sim.endpoints import SAFE_SLIP
 from psane_sim.errors import SimulationError
-from psane_sim.hexapod import HexapodSimulator
 from psane_sim.node_configuration import SimulatorNodeConfiguration
 from psane_sim.pacing import Follower, Pacer
-from psane_sim.sensing import Sensors
-from psane_sim.terrain_sense import nonsense_of
+from psane_sim.robot.hexapod import HexapodSimulator
+from psane_sim.robot.truth import Truth
+from psane_sim.runs.truth_log import TruthEntry, TruthLog
+from psane_sim.terrains.catalogue import load_terrain
+from psane_sim.terrains.endpoints import SAFE_SLIP
+from psane_sim.terrains.terrain_sense import nonsense_of
+from psane_sim.touch.sensing import Sensors
 from psane_sim.transforms import TransformPublisher
-from psane_sim.truth import Truth
-from psane_sim.truth_log import TruthEntry, TruthLog
 from psane_sim.watchdog import CommandWatchdog
 
 SENSOR_PERIOD, ODOMETRY_PERIOD, TRUTH_PERIOD = 5, 20, 50

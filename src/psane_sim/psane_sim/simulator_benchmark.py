@@ -9,9 +9,9 @@ import json
 import time
 from statistics import median
 
-from psane_sim.catalogue import load_terrain
 from psane_sim.configuration import SimulatorConfiguration
-from psane_sim.hexapod import HexapodSimulator
+from psane_sim.robot.hexapod import HexapodSimulator
+from psane_sim.terrains.catalogue import load_terrain
 
 PARTS = 5
 

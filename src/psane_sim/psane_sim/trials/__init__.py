@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Many runs: random terrains, and the workers that share them."""
