@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 from matplotlib import image as pictures
+from node_process import PATIENCE
 
 CHROMIUM = next((path for name in ('chromium', 'chromium-browser', 'google-chrome')
                  if (path := shutil.which(name))), None)
@@ -18,8 +19,6 @@ SOFTWARE_GRAPHICS = (
 WIDTH, HEIGHT = 760, 300
 """Of a page: small, for without a graphics card its processor draws every dot of it."""
 
-PATIENCE = 90.0
-"""A machine that does other things beside may be slow [s]."""
 
 
 class Page:

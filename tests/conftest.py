@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -17,6 +18,9 @@ os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 os.environ.setdefault('OMP_NUM_THREADS', '1')
 os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 os.environ.setdefault('MPLBACKEND', 'Agg')
+# A busy machine may take long over one example; that says nothing about the law.
+settings.register_profile('untimed', deadline=None)
+settings.load_profile('untimed')
 for _package in ('psane_mapping', 'psane_planner', 'psane_reactive', 'psane_sim'):
     sys.path.insert(0, str(ROOT / 'src' / _package))
 sys.path.insert(0, str(ROOT / 'tests'))

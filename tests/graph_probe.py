@@ -4,6 +4,9 @@
 import time
 
 import rclpy
+from node_process import PATIENCE
+from rcl_interfaces.srv import GetParameters
+from rclpy.duration import Duration
 
 
 class Probe:
@@ -14,6 +17,7 @@ class Probe:
         self.node = rclpy.create_node(name)
         self.heard = {}
         self._publishers = {}
+        self._questions = {}
 
     def listen(self, kind, topic, quality):
         """Keep every message on a topic, in `heard[topic]`."""
@@ -34,7 +38,7 @@ class Probe:
         while (left := end - time.monotonic()) > 0.0:
             rclpy.spin_once(self.node, timeout_sec=left)
 
-    def until(self, condition, seconds=60.0, every=None):
+    def until(self, condition, seconds=PATIENCE, every=None):
         """Spin until a condition holds, calling `every` now and then; fail when it never does."""
         end = time.monotonic() + seconds
         while not condition():
@@ -42,6 +46,23 @@ class Probe:
             if every is not None:
                 every()
             rclpy.spin_once(self.node, timeout_sec=0.05)
+
+    def until_taken(self, topic):
+        """Wait until what was published is with all who listen reliably."""
+        assert self._publishers[topic].wait_for_all_acked(Duration(seconds=PATIENCE))
+
+    def until_worked_off(self, name):
+        """Ask a node for a parameter and wait for the answer.
+
+        Its only thread goes round timers, topics and services and takes one message of each topic
+        on each round, so that it cannot fall behind who asks after each message.
+        """
+        if name not in self._questions:
+            self._questions[name] = self.node.create_client(GetParameters,
+                                                            f'{name}/get_parameters')
+            self.until(self._questions[name].service_is_ready)
+        answer = self._questions[name].call_async(GetParameters.Request(names=['use_sim_time']))
+        self.until(answer.done)
 
     def is_heard_on(self, topic):
         """Tell whether somebody listens to what is published on a topic."""

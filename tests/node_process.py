@@ -10,6 +10,9 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+PATIENCE = 120.0
+"""Longest wait for what surely comes: a busy machine is slow, not wrong [s]."""
+
 
 class NodeProcess:
     """What `ros2 run PACKAGE EXECUTABLE` starts, without the `ros2` command.
@@ -59,11 +62,11 @@ class NodeProcess:
         if self.is_running:
             self._process.send_signal(which)
 
-    def wait(self, timeout: float) -> int:
+    def wait(self, timeout: float = PATIENCE) -> int:
         """Wait for the end [s] and return the exit status."""
         return self._process.wait(timeout)
 
-    def wait_for_output(self, text: str, timeout: float) -> None:
+    def wait_for_output(self, text: str, timeout: float = PATIENCE) -> None:
         """Wait until it has printed a text.
 
         Raises

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from felt_stances import stance
 from nav_msgs.msg import OccupancyGrid
+from node_process import PATIENCE
 from source_tree import ROOT
 
 from psane_mapping.configuration import MappingConfiguration
@@ -70,7 +71,7 @@ def feed(tmp_path):
     for process in started:
         if process.poll() is None:
             process.terminate()
-            process.wait(10.0)
+            process.wait(PATIENCE)
 
 
 def test_the_table_is_small_and_comes_from_a_walk(example):
@@ -125,14 +126,14 @@ def test_the_example_makes_the_mappers_node_map_what_its_core_maps(example, feed
     probe.listen(OccupancyGrid, 'slip/mean', LATCHED)
     probe.listen(TerrainSampleMessage, 'terrain_samples', CONTACTS)
     start_node('psane_mapping', 'terrain_mapper')
-    probe.until(lambda: probe.heard['slip/mean'], 120.0)
+    probe.until(lambda: probe.heard['slip/mean'])
     np.testing.assert_array_equal(cells_of(probe.last('slip/mean'), 'map')[1], before)
     feed(TABLE, '-p', 'speed:=4.0')
 
     def is_mapped():
         return np.array_equal(cells_of(probe.last('slip/mean'), 'map')[1], expected)
-    probe.until(lambda: len(probe.heard['terrain_samples']) == accepted, 60.0)
-    probe.until(is_mapped, 10.0)
+    probe.until(lambda: len(probe.heard['terrain_samples']) == accepted)
+    probe.until(is_mapped)
 
 
 @pytest.mark.parametrize(('table', 'parameters', 'sentence'), [
@@ -142,5 +143,5 @@ def test_the_example_makes_the_mappers_node_map_what_its_core_maps(example, feed
 def test_the_example_refuses_bad_parameters_with_a_sentence(feed, tmp_path, table, parameters,
                                                             sentence):
     process = feed(table, *parameters)
-    assert process.wait(60.0) == 2
+    assert process.wait(PATIENCE) == 2
     assert sentence in (tmp_path / 'feed.log').read_text()

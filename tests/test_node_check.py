@@ -7,6 +7,7 @@ import numpy as np
 from felt_stances import stance
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
+from node_process import PATIENCE
 from sensor_msgs.msg import Imu, JointState
 
 from psane_mapping.conversions import contact_message
@@ -21,18 +22,18 @@ LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 
 def finish(process, probe, every):
     """Go on until the check has ended; return its exit status and what it printed."""
-    end = time.monotonic() + 90.0
+    end = time.monotonic() + PATIENCE
     while process.is_running and time.monotonic() < end:
         every()
         probe.spin(0.015)
-    return process.wait(1.0), process.output
+    return process.wait(), process.output
 
 
 def test_the_walking_simulator_passes_the_check(probe, start_node):
     probe.listen(Odometry, 'odom', ODOMETRY_INPUT)
     probe.speak(Twist, 'cmd_vel', COMMANDS)
     start_node('psane_sim', 'hexapod_sim', '--ros-args', '-p', 'terrain:=env1')
-    probe.until(lambda: probe.heard['odom'] and probe.is_heard_on('cmd_vel'), 120.0)
+    probe.until(lambda: probe.heard['odom'] and probe.is_heard_on('cmd_vel'))
     command = Twist()
     command.linear.x, command.angular.z = 0.2, 0.15
 

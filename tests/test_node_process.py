@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
-from node_process import NodeProcess
+from node_process import PATIENCE, NodeProcess
 
 OBEDIENT = """
     import time
@@ -47,7 +47,7 @@ def start(tmp_path):
         path.parent.mkdir(parents=True)
         path.write_text(textwrap.dedent(program))
         started.append(NodeProcess(tmp_path, 'pack', 'program', (), tmp_path / 'log'))
-        started[-1].wait_for_output('ready', 20.0)
+        started[-1].wait_for_output('ready')
         return started[-1]
 
     yield begin
@@ -60,7 +60,7 @@ def start(tmp_path):
 def test_a_process_is_stopped_by_the_mildest_signal_that_works(start, program, status):
     process = start(program)
     assert process.is_running
-    assert process.stop(1.0) == status
+    assert process.stop(2.0) == status
     assert not process.is_running
 
 
@@ -77,8 +77,8 @@ def test_what_a_process_started_ends_with_it(start):
     process = start(PARENT)
     child = int(process.output.split()[1])
     assert is_alive(child)
-    process.stop(1.0)
-    end = time.monotonic() + 10.0  # the kernel needs a moment after SIGKILL
+    process.stop(2.0)
+    end = time.monotonic() + PATIENCE  # the kernel needs a moment after SIGKILL
     while is_alive(child) and time.monotonic() < end:
         time.sleep(0.01)
     assert not is_alive(child)
@@ -86,7 +86,7 @@ def test_what_a_process_started_ends_with_it(start):
 
 def test_a_text_that_never_comes_is_reported_with_what_came(start):
     process = start("print('ready'); print('wrong port')")
-    process.wait(10.0)
+    process.wait()
     with pytest.raises(TimeoutError, match='wrong port'):
         process.wait_for_output('listening', 10.0)
 

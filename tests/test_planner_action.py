@@ -71,8 +71,8 @@ class Client:
         assert handle.accepted
         return handle, handle.get_result_async()
 
-    def wait(self, future, seconds=20.0):
-        self.probe.until(future.done, seconds)
+    def wait(self, future):
+        self.probe.until(future.done)
         return future.result()
 
 
@@ -80,13 +80,13 @@ class Client:
 def client(probe, start_node):
     start_node('psane_planner', 'safe_planner')
     made = Client(probe)
-    probe.until(made.client.server_is_ready, 60.0)
+    probe.until(made.client.server_is_ready)
     return made
 
 
 def test_an_errand_has_feedback_and_ends_when_the_goal_is_reached(client):
     _, result = client.send(4.0, 3.0)
-    client.probe.until(lambda: len(client.feedback) >= 2, 20.0)
+    client.probe.until(lambda: len(client.feedback) >= 2)
     last = client.feedback[-1]
     assert last.distance_to_goal == pytest.approx(1.0, abs=1e-6) and last.certified_area > 3.0
     assert 0.0 < last.coverage < 0.5 and last.subgoal.header.frame_id == 'map'
@@ -115,7 +115,7 @@ def test_a_newer_errand_takes_the_place_of_the_older_and_can_be_cancelled(client
     assert answer.status == GoalStatus.STATUS_ABORTED
     assert answer.result.error_code == ErrorCode.PREEMPTED
     client.feedback.clear()
-    client.probe.until(lambda: client.feedback, 20.0)
+    client.probe.until(lambda: client.feedback)
     assert client.feedback[-1].distance_to_goal == pytest.approx(1.0, abs=1e-6)
     client.wait(handle.cancel_goal_async())
     assert client.wait(second).status == GoalStatus.STATUS_CANCELED
@@ -123,7 +123,7 @@ def test_a_newer_errand_takes_the_place_of_the_older_and_can_be_cancelled(client
 
 def test_exploring_has_no_distance_and_another_strategy_can_be_asked_for(client):
     handle, result = client.send(explore=True, strategy='psane')
-    client.probe.until(lambda: len(client.feedback) >= 2, 20.0)
+    client.probe.until(lambda: len(client.feedback) >= 2)
     assert math.isnan(client.feedback[-1].distance_to_goal)
     client.wait(handle.cancel_goal_async())
     assert client.wait(result).status == GoalStatus.STATUS_CANCELED

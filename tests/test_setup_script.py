@@ -75,7 +75,7 @@ class Workspace:
     def run(self, *arguments: str, **settings: str) -> tuple[int, str, str]:
         """Return exit status, standard output and standard error."""
         process = self.start(*arguments, **settings)
-        output, errors = process.communicate(timeout=60)
+        output, errors = process.communicate(timeout=240)
         return process.returncode, output, errors
 
     def calls(self) -> list[str]:
@@ -187,7 +187,7 @@ def test_after_a_failed_build_an_undone_change_is_built_again(built):
 
 def test_two_starts_at_once_build_once(workspace):
     started = [workspace.start('build') for _ in range(3)]
-    said = [process.communicate(timeout=60)[1] for process in started]
+    said = [process.communicate(timeout=240)[1] for process in started]
     assert [process.returncode for process in started] == [0, 0, 0], said
     assert sorted(workspace.calls()) == ['colcon', 'uv pip', 'uv venv']
 

@@ -32,9 +32,12 @@ def parser() -> argparse.ArgumentParser:
                       help='put before all names but /clock, /tf, /rosout and /diagnostics')
     made.add_argument('--remap', nargs='+', default=[], metavar='OLD:=NEW',
                       help='other names for recorded topics')
+    made.add_argument('--wait', type=float, default=0.0, metavar='S',
+                      help='wait until somebody listens to each topic, a made /clock too, but no '
+                      'longer than this (default 0)')
     made.add_argument('--delay', type=float, default=1.0, metavar='S',
-                      help='time for listeners to find the topics before the first message '
-                      '(default 1)')
+                      help='time after that for further listeners to find the topics before the '
+                      'first message (default 1)')
     made.add_argument('--clock-rate', type=float, default=100.0, metavar='HZ',
                       help='ticks of /clock where the bag holds none; 0 for none (default 100)')
     made.add_argument('--measure', action='store_true',
@@ -48,8 +51,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     given = list(sys.argv[1:] if arguments is None else arguments)
     cut = given.index('--ros-args') if '--ros-args' in given else len(given)
     options = parser().parse_args(given[:cut])
-    for name, low, high in (('rate', 0.01, 100.0), ('delay', 0.0, 600.0),
-                            ('clock_rate', 0.0, 1000.0)):
+    for name, low, high in (('rate', 0.01, 100.0), ('wait', 0.0, 3600.0),
+                            ('delay', 0.0, 600.0), ('clock_rate', 0.0, 1000.0)):
         if not low <= getattr(options, name) <= high:
             parser().error(f'--{name.replace("_", "-")} {getattr(options, name):g}: expected a '
                            f'value in [{low:g}, {high:g}]')
@@ -72,10 +75,11 @@ def _run(options: argparse.Namespace, ros_arguments: list[str]) -> int:
     stop = Stop(None)
     with BagFile(options.bag) as bag:
         from psane_sim.bags.ros_bag_player import ReplaySettings, replay
-        settings = ReplaySettings(rate=options.rate, loop=options.loop, delay=options.delay,
-                                  clock_rate=options.clock_rate,
+        settings = ReplaySettings(rate=options.rate, loop=options.loop, wait=options.wait,
+                                  delay=options.delay, clock_rate=options.clock_rate,
                                   selection=Selection(options.topics), renaming=renaming)
-        player = replay(bag, settings, stop, ros_arguments)
+        player = replay(bag, settings, stop, ros_arguments,
+                        lambda words: print(f'psane replay: {words}', file=sys.stderr))
     print(f'{player.sent} messages on {len(player.topics)} topics')
     for name, reason in player.refused.items():
         print(f'  {name} was not replayed: {reason}')

@@ -37,8 +37,10 @@ class ReplaySettings:
         Seconds of the bag for each second on the wall.
     loop : bool
         Begin anew at the end.
+    wait : float
+        Longest time to wait until somebody listens to each topic [s].
     delay : float
-        Time between announcing the topics and the first message, in which listeners come [s].
+        Time between that and the first message, in which listeners come [s].
     clock_rate : float
         Ticks of /clock in a second of the bag, where the bag holds no /clock of its own [Hz].
     selection : Selection
@@ -47,6 +49,7 @@ class ReplaySettings:
 
     rate: float = 1.0
     loop: bool = False
+    wait: float = 0.0
     delay: float = 1.0
     clock_rate: float = 100.0
     selection: Selection = field(default_factory=Selection)
@@ -102,10 +105,12 @@ class Player:
         self._publishers[topic.name, topic.kind] = self._node.create_publisher(
             kind, self._settings.renaming.name_of(topic.name), replaying(topic))
 
-    def is_heard(self) -> bool:
-        """Tell whether somebody listens to each topic."""
-        return all(publisher.get_subscription_count() > 0
-                   for publisher in self._publishers.values())
+    @property
+    def unheard(self) -> list[str]:
+        """Names, as they are replayed, of topics that nobody listens to; a made /clock too."""
+        publishers = [*self._publishers.values(), *([] if self._clock is None else [self._clock])]
+        return sorted({publisher.topic_name for publisher in publishers
+                       if publisher.get_subscription_count() == 0})
 
     def play(self, is_over: Callable[[], bool]) -> None:
         """Publish everything once, each message at its time, or until it is over."""
@@ -144,22 +149,32 @@ def _wait_until(due: int, is_over: Callable[[], bool]) -> bool:
     return False
 
 
+def _wait_for_listeners(player: Player, longest: float, is_over: Callable[[], bool]) -> bool:
+    """Wait until somebody listens to each topic; False when that is not so in time [s]."""
+    end = time.monotonic() + longest
+    while player.unheard and not is_over():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.05)
+    return True
+
+
 def replay(bag: BagFile, settings: ReplaySettings, is_over: Callable[[], bool],
-           arguments: list[str], is_ready: Callable[[Player], bool] | None = None) -> Player:
+           arguments: list[str], warn: Callable[[str], None] = lambda _: None) -> Player:
     """Replay on a graph of one's own making; return the player, which knows what it sent.
 
     Parameters
     ----------
-    is_ready : callable, optional
-        Is asked after the delay, again and again, until the first message may go out.
+    warn : callable
+        Is told in words what was not waited for any longer.
     """
     rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     try:
         node = rclpy.create_node(NAME, enable_rosout=False, start_parameter_services=False)
         player = Player(node, bag, settings)
+        if settings.wait > 0.0 and not _wait_for_listeners(player, settings.wait, is_over):
+            warn(f'nobody listens to {player.unheard} after {settings.wait:g} s')
         _wait_until(time.monotonic_ns() + round(1e9 * settings.delay), is_over)
-        while is_ready is not None and not is_ready(player) and not is_over():
-            time.sleep(0.05)
         player.play(is_over)
         while settings.loop and not is_over():
             player.play(is_over)

@@ -30,9 +30,10 @@ MAPPER, PLANNER, CONTROLLER = 'terrain_mapper', 'safe_planner', 'reactive_contro
 PACKAGES = {MAPPER: 'psane_mapping', PLANNER: 'psane_planner', CONTROLLER: 'psane_reactive'}
 PARAMETERS: dict[str, dict[str, object]] = {
     MAPPER: {}, PLANNER: {}, CONTROLLER: {'build_beside': False}}
-STARTING, ANSWER, SETTLING = 180.0, 30.0, 1.5
-"""Longest start of the nodes, longest wait for an answer, and time in which nodes that are up find
-each other, all on the wall [s]."""
+STARTING, ANSWER, SETTLING, SETTLING_SHARE = 180.0, 120.0, 1.5, 0.25
+"""Longest start of the nodes, longest wait for an answer, and least time in which nodes that are
+up find each other, all on the wall [s]; on a busy machine that takes a share of their start [-].
+"""
 QUEUE, POLL = 1000, 0.0002
 QUESTION = GetParameters.Request(names=['use_sim_time'])
 
@@ -83,7 +84,8 @@ class LockstepGraph:
         GraphError
             When a node ends, does not come up, or offers less than this listens for.
         """
-        deadline, up = time.monotonic() + STARTING, False
+        began, up = time.monotonic(), False
+        deadline = began + STARTING
         while not (self._listens() and up):
             death = self._processes.death()
             if death is not None:
@@ -96,7 +98,7 @@ class LockstepGraph:
                 raise GraphError('the nodes did not come up' if not up else
                                  'the nodes are up, but do not hear what they are told')
             time.sleep(0.05)
-        time.sleep(SETTLING)
+        time.sleep(max(SETTLING, SETTLING_SHARE * (time.monotonic() - began)))
         for name in PACKAGES:
             self._settle(name, 2)
 

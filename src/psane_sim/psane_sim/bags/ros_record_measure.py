@@ -24,7 +24,9 @@ from psane_sim.processes import use_private_graph
 RATE, GRID_RATE, GRIDS, EDGE = 1000, 5, 4, 101
 """Small messages and rounds of grids in a second [Hz], grids in a round, their edge [cells]."""
 
-PATIENCE = 30.0
+PATIENCE = 120.0
+"""Longest start and longest end of the recorder [s]."""
+
 _RECORD = 'from psane_sim.bags.record import main; main()'
 
 

@@ -9,12 +9,14 @@ from pathlib import Path
 
 from psane_mapping.bag_file import BagFile
 from psane_mapping.errors import BagError
-from psane_sim.bags.ros_bag_player import Player, ReplaySettings, replay
+from psane_sim.bags.ros_bag_player import ReplaySettings, replay
 from psane_sim.bags.selection import Selection
 from psane_sim.bags.timing import ReplayTiming, compare
 from psane_sim.processes import use_private_graph
 
-PATIENCE = 30.0
+STARTING, PATIENCE = 120.0, 60.0
+"""Longest start and longest end of the recorder [s]."""
+
 _RECORD = 'from psane_sim.bags.record import main; main()'
 
 
@@ -34,13 +36,14 @@ def measure(path: Path, rate: float) -> ReplayTiming:
             [sys.executable, '-c', _RECORD, *topics, '--out', str(copy)],
             stdout=subprocess.DEVNULL)
 
-        def is_ready(player: Player) -> bool:
+        def is_over() -> bool:
             if recorder.poll() is not None:
                 raise BagError(f'the recorder ended with status {recorder.returncode}')
-            return player.is_heard()
+            return False
         try:
-            settings = ReplaySettings(rate=rate, clock_rate=0.0, selection=Selection(topics))
-            player = replay(bag, settings, lambda: False, [], is_ready)
+            settings = ReplaySettings(rate=rate, wait=STARTING, clock_rate=0.0,
+                                      selection=Selection(topics))
+            player = replay(bag, settings, is_over, [])
         finally:
             recorder.send_signal(signal.SIGINT)
             recorder.wait(PATIENCE)

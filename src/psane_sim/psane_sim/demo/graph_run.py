@@ -204,7 +204,7 @@ class GraphRun:
             return
         if death.name != 'reactive_controller':
             processes.stop('reactive_controller')
-        since, deadline = observer.time, time.monotonic() + 5.0
+        since, deadline = observer.time, time.monotonic() + SILENCE
         while time.monotonic() < deadline:
             rclpy.spin_once(observer, timeout_sec=0.05)
             if observer.time - since > 1.0 and observer.speed < STANDING:
