@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The paper's figures: paths over the true slip, bars, coverage over time, certified ground."""
 
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -30,6 +31,9 @@ UNSAFE_LINE = '#5c0011'
 GOAL_BARS = ('success', 'time_s', 'path_m', 'unsafe_time_s', 'false_certified_cells')
 EXPLORE_BARS = ('coverage', 'time_s', 'path_m', 'unsafe_time_s', 'false_certified_cells')
 """What is drawn of tasks with a goal, and without."""
+
+SHARES = ('success', 'coverage')
+"""Quantities that cannot exceed 1."""
 
 Runs = Callable[[str], StoredRun | None]
 """Returns the run of a row by its name."""
@@ -140,9 +144,9 @@ def _draw_bar_panel(axes: Axes, groups: Sequence[Group], quantity: Quantity) -> 
         ours = group.spread(quantity)
         if ours.trials:
             axes.bar(place, ours.mean, 0.62, color=colour_of(group.strategy),
-                     yerr=ours.deviation if ours.trials > 1 else None, capsize=3,
-                     error_kw={'linewidth': 0.8})
-            top = max(top, ours.mean + ours.deviation)
+                     yerr=_error(ours.mean, ours.deviation, quantity) if ours.trials > 1 else None,
+                     capsize=3, error_kw={'linewidth': 0.8})
+            top = max(top, ours.mean + _error(ours.mean, ours.deviation, quantity)[1][0])
         else:
             axes.annotate('-', (place, 0.0), ha='center', va='bottom')
         theirs = published_for(group.task, group.strategy, quantity.name)
@@ -155,6 +159,12 @@ def _draw_bar_panel(axes: Axes, groups: Sequence[Group], quantity: Quantity) -> 
                     fontsize=6.5)
     axes.set_xlim(-0.6, len(groups) - 0.4)
     axes.set_ylim(0.0, 1.08 * top if top > 0.0 else 1.0)
+
+
+def _error(mean: float, deviation: float, quantity: Quantity) -> list[list[float]]:
+    """Return an error bar down and up that stays among values that are possible."""
+    most = 1.0 if quantity.name in SHARES else math.inf
+    return [[min(deviation, mean)], [min(deviation, most - mean)]]
 
 
 def draw_coverage(groups: Sequence[Group], runs: Runs, path: Path) -> None:
