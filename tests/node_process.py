@@ -10,7 +10,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-PATIENCE = 120.0
+PATIENCE = 240.0
 """Longest wait for what surely comes: a busy machine is slow, not wrong [s]."""
 
 
