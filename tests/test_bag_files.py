@@ -32,7 +32,7 @@ from psane_sim.bags.ros_quality import hears, listening_to, quality_of
 from psane_sim.bags.selection import Renaming, Selection
 from psane_sim.bags.sequence_watch import SequenceWatch
 from psane_sim.bags.summary import in_short
-from psane_sim.bags.timing import compare
+from psane_sim.bags.timing import compare, is_same
 from psane_sim.bags.writer import BagWriter
 from psane_sim.demo.options import assignment_of, parse
 from psane_sim.errors import TaskError
@@ -321,3 +321,11 @@ def test_the_demo_says_in_a_line_what_its_bag_holds(folder, tmp_path):
 def test_a_demo_in_one_process_cannot_be_recorded():
     with pytest.raises(TaskError, match='has no topics; leave out --in-process'):
         assignment_of(parse(['--record', '--in-process']))
+
+
+@given(st.binary(max_size=20), st.integers(0, 8), st.binary(min_size=1, max_size=4))
+def test_messages_are_the_same_but_for_less_than_four_zeros_at_their_end(content, zeros, other):
+    padded = content + bytes(zeros)
+    assert is_same(content, padded) == is_same(padded, content) == (zeros < 4)
+    assert not is_same(content + b'\1', content)
+    assert is_same(content, content + other) == (not any(other) and len(other) < 4)

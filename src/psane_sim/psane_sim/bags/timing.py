@@ -9,6 +9,8 @@ import numpy as np
 from psane_mapping.bag_file import BagFile
 from psane_mapping.grid import FloatArray
 
+_ALIGNMENT = 4
+
 
 @dataclass(frozen=True, kw_only=True)
 class ReplayTiming:
@@ -42,6 +44,17 @@ class ReplayTiming:
                 'replay_error_ms_longest': float(error.max())}
 
 
+def is_same(one: bytes, other: bytes) -> bool:
+    """Tell whether two serialized messages are the same but for the padding at their end.
+
+    On the wire a message is filled up with zeros to a multiple of four bytes; in a bag it may end
+    where its content ends.
+    """
+    short, long = sorted((one, other), key=len)
+    rest = long[len(short):]
+    return len(rest) < _ALIGNMENT and long.startswith(short) and not any(rest)
+
+
 def compare(original: BagFile, heard: BagFile, epoch: int, rate: float) -> ReplayTiming:
     """Compare a bag with what was recorded of its replay, topic by topic, in order.
 
@@ -64,7 +77,7 @@ def compare(original: BagFile, heard: BagFile, epoch: int, rate: float) -> Repla
             continue
         position[message.topic] += 1
         time, data = again[message.topic][index]
-        different += data != message.data
+        different += not is_same(data, message.data)
         lateness.append(1e-9 * (time - epoch - (message.time - original.start) / rate))
     return ReplayTiming(expected=expected, heard=len(lateness), different=different,
                         lateness=np.array(lateness))
