@@ -95,9 +95,11 @@ def test_the_check_follows_a_robot_into_its_namespace(probe, start_node):
         sample = OdometrySample(time.time(), np.array([5.0, 5.0, 0.15]), LEVEL, np.zeros(3),
                                 np.zeros(3))
         probe.publish('/spirit/odom', odometry_message(sample, 'odom', 'base_link'))
-    check = start_node('psane_sim', 'check', '--duration', '3', '--profile', 'contacts',
+    check = start_node('psane_sim', 'check', '--duration', '10', '--profile', 'contacts',
                        '--ros-args', '-r', '__ns:=/spirit')
     status, said = finish(check, probe, publish)
     assert status == 1
-    assert 'ok    odom' in said
+    # How fast a busy machine publishes and how soon it is found is not asserted; that it is heard.
+    verdicts = {line.split()[1]: line for line in said.splitlines() if len(line.split()) > 1}
+    assert ' 0 messages' not in verdicts['odom'], said
     assert 'FAULT leg_contacts' in said
