@@ -99,7 +99,5 @@ def test_the_check_follows_a_robot_into_its_namespace(probe, start_node):
                        '--ros-args', '-r', '__ns:=/spirit')
     status, said = finish(check, probe, publish)
     assert status == 1
-    # How fast a busy machine publishes and how soon it is found is not asserted; that it is heard.
-    verdicts = {line.split()[1]: line for line in said.splitlines() if len(line.split()) > 1}
-    assert ' 0 messages' not in verdicts['odom'], said
+    assert 'ok    odom' in said, said
     assert 'FAULT leg_contacts' in said

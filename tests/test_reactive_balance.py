@@ -155,6 +155,16 @@ def test_a_straight_way_out_ends_and_the_turn_is_made_all_the_same():
     assert command.mode is Mode.TURN and command.linear == 0.0 and command.angular != 0.0
 
 
+def test_a_jump_of_the_pose_begins_a_new_way_out():
+    made = controller_in(tilt=NOSE_UP)
+    assert settled(made, tilt=NOSE_UP).linear > 0.0
+    command = None
+    for tick in range(40, 60):
+        made.set_odometry((1.2, 1.2, 0.3), (0.0, 0.0), 0.05 * tick, NOSE_UP)
+        command = made.command(0.05 * tick)
+    assert command.linear > 0.0 and command.angular == 0.0
+
+
 def test_once_upright_again_a_robot_may_leave_straight_anew():
     configuration = ReactiveConfiguration()
     made = controller_in()

@@ -54,6 +54,10 @@ class Balance:
         self._from: FloatArray | None = None
         self._spent_at: FloatArray | None = None
 
+    def reset(self) -> None:
+        """Forget where a way out began, after a jump of the pose."""
+        self._from = self._spent_at = None
+
     def take(self, tilt: Tilt) -> None:
         """Take how the body leans; numbers that are not finite count as upright."""
         self._tilt = tilt if math.isfinite(tilt.pitch + tilt.roll) else Tilt()
@@ -71,7 +75,7 @@ class Balance:
         """Return what a leaning robot does instead, None where nothing is to be changed."""
         settings, lean = self._configuration, self._tilt.lean
         if lean <= settings.lean_limit:
-            self._from = self._spent_at = None
+            self.reset()
             return None
         if wanted.linear < 0.0:
             return self._not_levered_over(border, pose, measured, wanted)

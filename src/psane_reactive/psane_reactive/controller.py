@@ -125,6 +125,7 @@ class ReactiveController:
         moved = float(np.hypot(after.x - before.x, after.y - before.y))
         if moved > 0.1 + _JUMP_SPEED * step:
             self._back_out.reset()
+            self._balance.reset()
             self._law.reset()
             self._direction.reset()
             self._freely.reset()
@@ -236,7 +237,8 @@ class ReactiveController:
         """Return a wanted velocity within its rates and as far as the safety stop lets it."""
         out = self._balance.way_out(border, self.inputs.pose, self.inputs.velocity, wanted)
         if out is not None:
-            wanted, reason = out, f'{reason}; the body leans, so it walks straight out'
+            how = 'it walks straight out' if out.linear != 0.0 else 'it does not walk backward'
+            wanted, reason = out, f'{reason}; the body leans, so {how}'
         wanted = limited(wanted, self.configuration)
         smooth = rate_limited(wanted, self._last, self._step(now), self.configuration)
         verdict = self._safety.judge(border, self.inputs.pose, self.inputs.velocity, smooth)
