@@ -146,6 +146,20 @@ def test_an_uncertain_point_is_believed_less_on_a_slope_and_as_much_on_the_level
     assert deviations((0.2, 0.2), 0.2) < 1.05 * deviations((0.2, 0.2), 0.0)
 
 
+def test_without_a_map_of_strength_that_of_slip_is_the_same(mapper):
+    alone = TerrainMapper(CONFIG, has_strength_map=False)
+    untouched = mapper.maps()
+    for k in range(20):
+        felt = stance(0.1 + 0.01 * k, leg=k % 6, point=(3.0 + 0.1 * k, 4.0), time=1.0 + k)
+        assert isinstance(mapper.add(felt), TerrainSample)
+        assert isinstance(alone.add(felt), TerrainSample)
+    one, both = alone.maps(), mapper.maps()
+    np.testing.assert_array_equal(one.slip_mean, both.slip_mean)
+    np.testing.assert_array_equal(one.slip_std, both.slip_std)
+    np.testing.assert_array_equal(one.log_strength_std, untouched.log_strength_std)
+    assert not np.array_equal(both.log_strength_std, untouched.log_strength_std)
+
+
 def test_position_noise_can_be_switched_off():
     mapper = TerrainMapper(MappingConfiguration(use_position_noise=False))
     mapper.add(stance(0.06, 0.1, point=(4.8, 5.0)))

@@ -122,8 +122,8 @@ class GridPosterior:
         variance = min(max(deviation, low), high) ** 2
         excess = value - self._prior_at(point)
         innovation = Innovation(math.nan, math.nan)
-        home = tuple((self.grid.index_of(point)
-                      // (self.tiling.tile_rows, self.tiling.tile_columns)).tolist())
+        row, column = self._cell_of(point)
+        home = (row // self.tiling.tile_rows, column // self.tiling.tile_columns)
         for index in self.tiling.reached_from(point):
             tile = self.tiling.tile(index)
             x, y = (point - tile.corner).tolist()
@@ -138,13 +138,20 @@ class GridPosterior:
 
     def gradient(self, point: FloatArray) -> FloatArray:
         """Return the slope of the mean at a point (2,) [m], map frame: (d/dx, d/dy) [1/m]."""
-        row, column = np.clip(self.grid.index_of(point), 0, np.array(self.grid.shape) - 1)
+        row, column = self._cell_of(point)
         slopes = []
         for values, index in ((self._mean[row], column), (self._mean[:, column], row)):
             low, high = max(index - 1, 0), min(index + 1, values.size - 1)
-            rise = values[high] - values[low]
+            rise = float(values[high]) - float(values[low])
             slopes.append(rise / ((high - low) * self.grid.resolution) if high > low else 0.0)
         return np.array(slopes)
+
+    def _cell_of(self, point: FloatArray) -> tuple[int, int]:
+        """Return row and column of the cell that holds a point, or of the nearest one."""
+        grid = self.grid
+        row = math.floor((float(point[1]) - grid.origin_y) / grid.resolution)
+        column = math.floor((float(point[0]) - grid.origin_x) / grid.resolution)
+        return min(max(row, 0), grid.rows - 1), min(max(column, 0), grid.columns - 1)
 
     def _checked(self, point: FloatArray, value: float, deviation: float) -> FloatArray:
         point = np.asarray(point, dtype=np.float64)
@@ -186,8 +193,10 @@ class GridPosterior:
     def _prior_at(self, point: FloatArray) -> float:
         """Interpolate the prior map bilinearly between cell centres."""
         grid = self.grid
-        row = np.clip((point[1] - grid.origin_y) / grid.resolution - 0.5, 0, grid.rows - 1)
-        column = np.clip((point[0] - grid.origin_x) / grid.resolution - 0.5, 0, grid.columns - 1)
+        row = min(max((float(point[1]) - grid.origin_y) / grid.resolution - 0.5, 0.0),
+                  grid.rows - 1.0)
+        column = min(max((float(point[0]) - grid.origin_x) / grid.resolution - 0.5, 0.0),
+                     grid.columns - 1.0)
         top, left = int(row), int(column)
         bottom, right = min(top + 1, grid.rows - 1), min(left + 1, grid.columns - 1)
         upper = (1 - column + left) * self._prior[top, left] + (

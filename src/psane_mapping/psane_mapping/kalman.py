@@ -39,16 +39,24 @@ def axis_modes(position: float, lattice: FloatArray, rotation: FloatArray, lengt
 
 
 @numba.njit(cache=True, fastmath=_SUMS)
-def observe(covariance: FloatArray, weights: FloatArray, features: FloatArray, value: float,
-            variance: float) -> tuple[FloatArray, float, float]:
+def observe(covariance: FloatArray, weights: FloatArray, pending: FloatArray,
+            pending_variance: float, features: FloatArray, value: float, variance: float
+            ) -> tuple[FloatArray, float, float]:
     """Condition Gaussian weights on one measurement ``value = features . weights + noise``.
+
+    What a measurement takes off the covariance is taken off on the way through it for the next
+    one, because a pass over the memory costs more than the arithmetic.
 
     Parameters
     ----------
     covariance : (m (m + 1) / 2,) float, changed in place
-        Lower triangle, row after row.
+        Lower triangle, row after row, before the last measurement.
     weights : (m,) float, changed in place
         Mean of the weights.
+    pending : (m,) float
+        The gain of the last measurement; zeros before the first.
+    pending_variance : float
+        The innovation variance of the last measurement, above 0.
     features : (m,) float
     value : float
     variance : float
@@ -65,11 +73,15 @@ def observe(covariance: FloatArray, weights: FloatArray, features: FloatArray, v
     start = 0
     for j in range(count):
         row = covariance[start:start + j]
-        scale, total = features[j], 0.0
+        feature, taken, total = features[j], pending[j] / pending_variance, 0.0
         for i in range(j):
-            gain[i] += scale * row[i]
-            total += features[i] * row[i]
-        gain[j] += total + scale * covariance[start + j]
+            left = row[i] - taken * pending[i]
+            row[i] = left
+            gain[i] += feature * left
+            total += features[i] * left
+        own = covariance[start + j] - taken * pending[j]
+        covariance[start + j] = own
+        gain[j] += total + feature * own
         start += j + 1
     innovation = value
     innovation_variance = variance
@@ -78,14 +90,8 @@ def observe(covariance: FloatArray, weights: FloatArray, features: FloatArray, v
         innovation_variance += features[j] * gain[j]
     # The prediction's variance is not negative; round-off may say so after exact measurements.
     innovation_variance = max(innovation_variance, variance)
-    start = 0
     for j in range(count):
         weights[j] += gain[j] * innovation / innovation_variance
-        row = covariance[start:start + j + 1]
-        scale = gain[j] / innovation_variance
-        for i in range(j + 1):
-            row[i] -= scale * gain[i]
-        start += j + 1
     return gain, innovation, innovation_variance
 
 

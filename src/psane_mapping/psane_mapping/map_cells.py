@@ -41,15 +41,27 @@ class MapSteps:
 
 def cells_of_maps(maps: TerrainMaps, steps: MapSteps) -> dict[str, Cells]:
     """Return the cells (rows, columns) of each map under its topic's name."""
+    slip_mean, slip_std = cells_of_slip(maps, steps)
     return {
-        SLIP_MEAN: encoding.encode_slip_mean(maps.slip_mean),
-        SLIP_STD: encoding.encode_std(maps.slip_std, steps.std_scale),
+        SLIP_MEAN: slip_mean, SLIP_STD: slip_std,
         STRENGTH_MEAN: encoding.encode_log_strength(maps.log_strength_mean, steps.strength_low,
                                                     steps.strength_high),
         STRENGTH_STD: encoding.encode_std(maps.log_strength_std, steps.log_strength_std_scale),
     }
 
 
+def cells_of_slip(maps: TerrainMaps, steps: MapSteps) -> tuple[Cells, Cells]:
+    """Return the cells (rows, columns) of mean and standard deviation of slip."""
+    return (encoding.encode_slip_mean(maps.slip_mean),
+            encoding.encode_std(maps.slip_std, steps.std_scale))
+
+
 def slip_of_cells(mean: Cells, std: Cells, std_scale: float) -> tuple[FloatArray, FloatArray]:
-    """Return slip mean and standard deviation [-] from published cells; NaN where unknown."""
-    return encoding.decode_slip_mean(mean), encoding.decode_std(std, std_scale)
+    """Return slip mean and standard deviation [-] from published cells; NaN where unknown.
+
+    The arrays are read-only, so that whoever keeps one can tell it from a newer one by identity.
+    """
+    decoded = encoding.decode_slip_mean(mean), encoding.decode_std(std, std_scale)
+    for array in decoded:
+        array.setflags(write=False)
+    return decoded

@@ -62,6 +62,9 @@ class TerrainMapper:
         Default: the one that the configuration names.
     prior : PriorMap, optional
         Default: the constant means of the configuration.
+    has_strength_map : bool
+        False leaves the map of strength as it is before the first stance, which saves half of the
+        work; what a stance says of strength then leaves out the point's uncertainty.
 
     Notes
     -----
@@ -71,8 +74,10 @@ class TerrainMapper:
     """
 
     def __init__(self, config: MappingConfiguration, grid: Grid | None = None,
-                 slip_model: SlipModel | None = None, prior: PriorMap | None = None) -> None:
+                 slip_model: SlipModel | None = None, prior: PriorMap | None = None,
+                 has_strength_map: bool = True) -> None:
         self.config = config
+        self._has_strength_map = has_strength_map
         self.slip_model = slip_model or slip_model_of(config)
         self._prior = prior
         start = grid or Grid.over_workspace(config.min_x, config.min_y, config.max_x,
@@ -124,9 +129,10 @@ class TerrainMapper:
             return False
         self.slip_innovations.add(
             self._slip.condition(sample.point, sample.slip, sample.slip_deviation))
-        self.log_strength_innovations.add(
-            self._log_strength.condition(sample.point, math.log(sample.strength),
-                                         sample.log_strength_deviation))
+        if self._has_strength_map:
+            self.log_strength_innovations.add(
+                self._log_strength.condition(sample.point, math.log(sample.strength),
+                                             sample.log_strength_deviation))
         self.accepted += 1
         self._version += 1
         self._latest = sample.time if math.isnan(self._latest) else max(self._latest, sample.time)
@@ -239,8 +245,8 @@ class TerrainMapper:
         """
         if not self.config.use_position_noise:
             return deviation
-        slope = posterior.gradient(contact.point)
-        return math.hypot(deviation, contact.point_deviation * float(np.linalg.norm(slope)))
+        slope = math.hypot(*posterior.gradient(contact.point).tolist())
+        return math.hypot(deviation, contact.point_deviation * slope)
 
 
 def _with_common_mode(posterior: GridPosterior, common: float) -> FloatArray:

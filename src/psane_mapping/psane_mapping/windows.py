@@ -62,6 +62,7 @@ class SpectralWindow:
         self._shape = shape
         self._weights = np.zeros(basis.count)
         self._covariance = packed_identity(basis.count)
+        self._pending, self._pending_variance = np.zeros(basis.count), 1.0
 
     def observe(self, x: float, y: float, value: float, variance: float) -> Evidence:
         """Take in a measurement at a point from the window's corner [m]; the prior mean is 0."""
@@ -80,7 +81,10 @@ class SpectralWindow:
     def _absorb(self, x: float, y: float, value: float, variance: float
                 ) -> tuple[FloatArray, float, float]:
         features = self._deviation * self._basis.at_point(x, y)
-        return observe(self._covariance, self._weights, features, value, variance)
+        taken = observe(self._covariance, self._weights, self._pending, self._pending_variance,
+                        features, value, variance)
+        self._pending, _, self._pending_variance = taken
+        return taken
 
 
 class DenseWindow:
