@@ -29,6 +29,20 @@ def smooth_field(draw, shape=GRID.shape, width=2.0):
     return (field - field.min()) / (field.max() - field.min())
 
 
+def test_a_map_changed_in_place_is_seen_and_one_that_cannot_change_is_not_looked_at_twice():
+    intervals = ConfidenceIntervals(GRID.shape, 4.0, 1.0)
+    mean, std = np.full(GRID.shape, 0.2), np.full(GRID.shape, 0.05)
+    first = intervals.update(mean, std)
+    mean[3, 4] = 0.6
+    second = intervals.update(mean, std)
+    assert second.version == first.version + 1 and second.newest[3, 4] == pytest.approx(0.65)
+    frozen = mean.copy()
+    for array in (frozen, std):
+        array.setflags(write=False)
+    assert intervals.update(frozen, std).version == second.version
+    assert intervals.update(frozen, std) == intervals.update(frozen, std)
+
+
 def lipschitz_union_by_pairs(previous, upper, config, resolution):
     """Test each pair of cells literally: u(x) + L |x - x'| <= h for some x in S_{t-1}."""
     rows, columns = np.indices(upper.shape)

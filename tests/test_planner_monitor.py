@@ -102,6 +102,17 @@ def test_pessimistic_slip_is_never_below_the_map_and_keeps_the_unknown():
     assert (result[:-1] >= mean[:-1]).all() and np.isnan(result[-1])
 
 
+def test_a_map_that_cannot_change_is_weakened_anew_when_more_is_known():
+    monitor = StrideMonitor(CONFIG)
+    walk(monitor, 0.12, 0.8, 60.0)
+    mean = np.linspace(0.0, 1.0, 40)
+    mean.setflags(write=False)
+    first = monitor.pessimistic(mean)
+    assert monitor.pessimistic(mean) is first
+    walk(monitor, 0.12, 0.6, 240.0)
+    assert (monitor.pessimistic(mean)[5:35] > first[5:35]).all()
+
+
 @pytest.mark.parametrize('details', [
     {'turn': 0.4}, {'strength': 0.0}])
 def test_turning_and_unknown_ground_are_left_out(details):

@@ -119,8 +119,11 @@ def test_an_empty_region_stops_it(nothing):
 
 def test_a_region_that_cannot_be_used_stops_it_rather_than_leave_the_old_one():
     controller = steered()
-    controller.set_region(shapely.Polygon([(0, 0), (1, 1), (2, 2)]), 0.0)
-    assert controller.command(0.0).mode is Mode.STOPPED
+    useless = shapely.Polygon([(0, 0), (1, 1), (2, 2)])
+    for now in (0.0, 0.2):
+        # Heard again, it is as useless.
+        controller.set_region(useless, now)
+        assert controller.command(now).mode is Mode.STOPPED
 
 
 def test_at_the_goal_it_stands():

@@ -74,7 +74,7 @@ class ConfidenceIntervals:
             For a wrong shape, a negative deviation or an infinite number.
         """
         _check_shape(mean, std, self._lower.shape)
-        changed = self._note_changes(mean, std)
+        changed = None if self._is_last(mean, std) else self._note_changes(mean, std)
         resets = 0
         if changed is not None:
             # The arrays of earlier bounds belong to whoever holds them.
@@ -111,8 +111,12 @@ class ConfidenceIntervals:
             changed = window_around(differs, 0)
         if changed is not None:
             _check_numbers(mean[changed], std[changed])
-            self._last = (mean.copy(), std.copy())
+            self._last = (_kept(mean), _kept(std))
         return changed
+
+    def _is_last(self, mean: FloatArray, std: FloatArray) -> bool:
+        """Tell whether these are the arrays that came last, which nobody can have changed."""
+        return (self._last is not None and self._last[0] is mean and self._last[1] is std)
 
     def _narrow(self, mean: FloatArray, std: FloatArray, where: Window) -> int:
         """Intersect the intervals of a window; return how many were started over."""
@@ -128,6 +132,11 @@ class ConfidenceIntervals:
         self._upper[where] = np.where(over, upper, kept_upper)
         self._newest[where] = np.where(unknown, np.inf, mean + self._revoking * std)
         return int(np.count_nonzero(empty))
+
+
+def _kept(array: FloatArray) -> FloatArray:
+    """Return an array that nobody changes: itself where it is frozen."""
+    return array.copy() if array.flags.writeable else array
 
 
 def _differ(one: FloatArray, other: FloatArray) -> Mask:

@@ -27,6 +27,8 @@ class Placement:
         point : (2,) float, map frame [m]
         """
         inner = self._inner_of(region)
+        if shapely.contains_xy(inner, point[0], point[1]):
+            return np.array((float(point[0]), float(point[1]))), 0.0
         wanted = shapely.Point(point[0], point[1])
         placed, _ = nearest_points(inner, wanted)
         return np.array((placed.x, placed.y)), float(placed.distance(wanted))
@@ -36,5 +38,6 @@ class Placement:
             inner = region.buffer(-self._inset, join_style='mitre')
             # A region thinner than twice the inset still has a middle.
             self._inner = region.representative_point() if inner.is_empty else inner
+            shapely.prepare(self._inner)
             self._region = region
         return self._inner

@@ -143,11 +143,14 @@ class SafePlanner:
         """
         if self._felt is None:
             return math.nan
-        feet = pose[:2] + self.configuration.footprint_radius * _RING
-        if not np.all(self.grid.contains(feet)):
-            return math.nan
-        rows, columns = self.grid.index_of(feet).T
-        return float(self._felt[rows, columns].mean())
+        grid, total = self.grid, 0.0
+        for foot in pose[:2] + self.configuration.footprint_radius * _RING:
+            row = math.floor((foot[1] - grid.origin_y) / grid.resolution)
+            column = math.floor((foot[0] - grid.origin_x) / grid.resolution)
+            if not (0 <= row < grid.rows and 0 <= column < grid.columns):
+                return math.nan
+            total += float(self._felt[row, column])
+        return total / len(_RING)
 
     def note_stuck(self, subgoal: FloatArray, now: float) -> bool:
         """Take note that the steering gets nowhere on its way to a subgoal (2,) [m].

@@ -127,6 +127,7 @@ class RegionBuilder:
             lattice = self._measure(certified, component)
             outlines = [piece for piece in self._outline(lattice)
                         if self._is_within(component, piece)]
+            shapely.prepare(outlines)
             last = _Drawing(_kept(certified), _kept(component), lattice, outlines, {})
             self._drawn = last
         return last

@@ -42,6 +42,7 @@ class StrideMonitor:
         self._began = self._now = math.nan
         self._last = np.full(3, np.nan)
         self._moved = self._asked = self._felt = 0.0
+        self._weakened: tuple[FloatArray, float, FloatArray] | None = None
 
     @property
     def deviation(self) -> float:
@@ -92,11 +93,17 @@ class StrideMonitor:
 
     def pessimistic(self, mean: FloatArray) -> FloatArray:
         """Return slip (rows, columns) [-] on ground as weak as is reckoned with."""
-        if self.weakening == 0.0:
+        weakening, known = self.weakening, self._weakened
+        if weakening == 0.0:
             return mean
-        strength = self._curve.inverse(np.clip(mean, 0.0, 1.0)) * math.exp(self.weakening)
-        return np.asarray(np.where(np.isfinite(strength),
-                                   np.maximum(mean, self._curve.slip(strength)), mean))
+        if known is not None and known[0] is mean and known[1] == weakening:
+            return known[2]
+        strength = self._curve.inverse(np.clip(mean, 0.0, 1.0)) * math.exp(weakening)
+        weakened = np.asarray(np.where(np.isfinite(strength),
+                                       np.maximum(mean, self._curve.slip(strength)), mean))
+        weakened.setflags(write=False)
+        self._weakened = (mean, weakening, weakened) if not mean.flags.writeable else None
+        return weakened
 
     def _restart(self, now: float, pose: FloatArray) -> None:
         self._began = self._now = now

@@ -59,7 +59,8 @@ class Guide:
     def __init__(self, area: Area, configuration: ReactiveConfiguration, counts: Counts,
                  executor: Executor | None = None, previous: ModelMap | None = None) -> None:
         self._configuration = configuration
-        self._parts = smooth_parts(area, configuration.smoothing_radius)
+        self._area = area
+        self._parts: list[shapely.Polygon] | None = None
         self._counts = counts
         self._executor = AtOnce() if executor is None else executor
         self._previous = previous
@@ -146,6 +147,9 @@ class Guide:
 
     def _enter(self, position: FloatArray) -> shapely.Polygon:
         """Return the part that holds the robot; what was built for another one is dropped."""
+        if self._parts is None:
+            # Not before it is steered in: a robot that marches needs no more than the border.
+            self._parts = smooth_parts(self._area, self._configuration.smoothing_radius)
         number = nearest_part(self._parts, position)
         if self._component is not self._parts[number]:
             self._component = self._parts[number]

@@ -25,6 +25,7 @@ class Inputs:
     def __init__(self, configuration: ReactiveConfiguration) -> None:
         self.configuration = configuration
         self.region: Area | None = None
+        self._heard: Any = None
         self.subgoal: FloatArray | None = None
         self.march_wanted = False
         self.subgoal_is_goal = False
@@ -35,8 +36,11 @@ class Inputs:
 
     def take_region(self, area: Any, now: float) -> bool:
         """Store a region or None; return whether it differs from the one before."""
-        before = self.region
         self._stamps['region'] = now
+        if area is not None and area is self._heard:
+            # Geometries do not change.
+            return False
+        before, self._heard = self.region, area
         self._flaws.pop('region', None)
         self.region = None
         if area is not None and not getattr(area, 'is_empty', False):
