@@ -21,6 +21,7 @@ from psane_planner.memory import FrontierMemory
 from psane_planner.pareto import pareto_front
 from psane_planner.scores import score_frontier
 from psane_planner.strategies import AVAILABLE, make_strategy
+from psane_planner.survey import without_crumbs
 
 GRID = Grid.over_workspace(0.0, 0.0, 4.0, 3.0, 0.1)
 CONFIG = PlannerConfiguration()
@@ -256,6 +257,14 @@ def test_resting_frontiers_can_be_woken():
     assert memory.is_resting(point[None], 1.0).all()
     memory.wake()
     assert not memory.is_resting(point[None], 1.0).any()
+
+
+def test_crumbs_wait_until_no_other_frontier_is_left():
+    growth = np.array((1.0, 30.0, 4.0, 3.9, 50.0))
+    eligible = np.array((True, True, True, True, False))
+    assert without_crumbs(eligible, growth, 4.0).tolist() == [False, True, True, False, False]
+    eligible[1:3] = False
+    assert without_crumbs(eligible, growth, 4.0).tolist() == [True, False, False, True, False]
 
 
 def test_a_frontier_that_grows_never_rests():

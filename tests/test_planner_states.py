@@ -357,3 +357,15 @@ def test_on_ground_with_slip_just_below_the_threshold_the_search_goes_on_cell_by
     assert plan.state is State.SEEKING and plan.subgoal is not None and plan.frontier.pareto.any()
     paper = planner_of(strategy='psane').update(mean, std, pose(2, 2), np.array((4.5, 2.0)), 0.0)
     assert paper.subgoal is None and not paper.frontier.eligible.any()
+
+
+def test_a_passage_just_below_the_threshold_is_a_frontier_to_go_to():
+    """No cone of lipschitz_constant leaves its cell there, yet the next cell is likely safe."""
+    mean, std = np.full(GRID.shape, 0.42), np.full(GRID.shape, 0.06)
+    near = np.hypot(X - 2.0, Y - 2.0) <= 0.8
+    mean[near], std[near] = 0.40, 0.02
+    plan = planner_of().update(mean, std, pose(2, 2), np.array((5.0, 4.0)), 0.0)
+    assert plan.state is State.SEEKING and plan.certified.any()
+    on_edge = plan.frontier.cells
+    cone = squared_radii(plan.lower[on_edge[:, 0], on_edge[:, 1]], 0.5, 2.0, 0.1, 10**6)
+    assert (cone < 1).any() and (plan.frontier.growth > 1.0).all()

@@ -17,7 +17,7 @@ from psane_planner.region import Region
 from psane_planner.scene import Scene
 from psane_planner.scores import FrontierScores, score_frontier
 from psane_planner.strategies import Traits
-from psane_planner.window import window_around
+from psane_planner.window import Window, window_around
 
 _BESIDE = 2
 """Squared radius that holds the eight neighbours of a cell [cells^2]."""
@@ -31,15 +31,12 @@ class Ground(NamedTuple):
     cells : (n, 2) int
     points : (n, 2) float, map frame [m]
     growth : (n,) float [-], count
-    beside : (n,) float [-], count, or None
-        What could be won right beside the cells, however steeply slip may rise.
     to_goal : (n,) float [m], or None
     """
 
     cells: Integers
     points: FloatArray
     growth: FloatArray
-    beside: FloatArray | None
     to_goal: FloatArray | None
 
 
@@ -66,21 +63,21 @@ class FrontierSurveyor:
         self._grid = grid
         self._traits = traits
         self._known: tuple[Scene, Ground] | None = None
+        self._part: tuple[Region, Window | None] | None = None
         self._prospects = Prospects(grid, configuration.confidence_scale,
                                     configuration.slip_threshold)
 
     def survey(self, scene: Scene, region: Region, memory: FrontierMemory) -> Survey:
         """Return the frontier of the scene with its scores."""
         config = self._configuration
-        cells, points, growth, beside, to_goal = self._ground(scene)
+        cells, points, growth, to_goal = self._ground(scene)
         to_robot = self._way_to_robot(scene, region, cells, points)
         awake = np.isfinite(to_robot)
         if self._traits.rests_frontiers:
             awake &= ~memory.is_resting(points, scene.now)
         eligible = awake & (growth > 0) if self._traits.needs_growth else awake
-        if not eligible.any() and beside is not None:
-            # Nothing is within the reach of a cone: what is left is to look one cell further.
-            growth, eligible = beside, awake & (beside > 0)
+        if self._traits.is_geodesic:
+            eligible = without_crumbs(eligible, growth, config.least_growth)
         way, is_cut_off = _with_goal(scene, points, to_robot, to_goal, eligible)
         decay = (config.geodesic_goal_decay if self._traits.is_geodesic else config.goal_decay)
         scores = score_frontier(cells, points, growth, way, eligible & np.isfinite(way),
@@ -92,24 +89,26 @@ class FrontierSurveyor:
         if self._known is None or not _is_same_ground(self._known[0], scene):
             cells = frontier_cells(scene.component, scene.certified, scene.admissible)
             points = self._grid.point_of(cells)
-            self._known = (scene, Ground(cells, points, *self._growth(scene, cells),
+            self._known = (scene, Ground(cells, points, self._growth(scene, cells),
                                          self._way_to_goal(scene, cells, points)))
         return self._known[1]
 
-    def _growth(self, scene: Scene, cells: Integers) -> tuple[FloatArray, FloatArray | None]:
-        """Return g_t of frontier cells (n, 2), (n,) [-], and the same of the cells beside them.
+    def _growth(self, scene: Scene, cells: Integers) -> FloatArray:
+        """Return g_t of frontier cells (n, 2), (n,) [-].
 
-        If geodesic, a cell counts as much as it is likely safe.
+        If geodesic, a cell counts as much as it is likely safe, and those right beside a frontier
+        cell always do: close below the threshold the cone of `lipschitz_constant` ends before the
+        next cell, although a passage may lead on there.
         """
         open_ground = scene.admissible & ~scene.certified
         if not self._traits.is_geodesic:
             return expansion_counts(cells, scene.bounds.lower, open_ground, self._configuration,
-                                    self._grid.resolution).astype(np.float64), None
+                                    self._grid.resolution).astype(np.float64)
         weights = self._prospects.weights(scene.bounds, open_ground)
         counts = expansion_counts(cells, scene.bounds.lower, weights, self._configuration,
                                   self._grid.resolution)
         beside = count_in_discs(weights, cells, np.full(len(cells), _BESIDE))
-        return counts / WHOLE, beside / WHOLE
+        return np.maximum(counts, beside) / WHOLE
 
     def _way_to_robot(self, scene: Scene, region: Region, cells: Integers,
                       points: FloatArray) -> FloatArray:
@@ -125,7 +124,10 @@ class FrontierSurveyor:
     def _way_along(self, region: Region, position: FloatArray, cells: Integers) -> FloatArray:
         """Return the way inside the region, and on to cells beside it, (n,) [m]."""
         reach = self._configuration.sensing_reach
-        where = window_around(region.cells, math.ceil(reach / self._grid.resolution) + 1)
+        if self._part is None or self._part[0] is not region:
+            margin = math.ceil(reach / self._grid.resolution) + 1
+            self._part = (region, window_around(region.cells, margin))
+        where = self._part[1]
         if where is None:
             return np.full(len(cells), np.inf)
         part = where.of(self._grid)
@@ -144,6 +146,16 @@ class FrontierSurveyor:
         if not self._traits.is_geodesic:
             return _straight(points, scene.goal)
         return self._prospects.way_to(scene.goal, scene.bounds, scene.admissible, cells)
+
+
+def without_crumbs(eligible: Mask, growth: FloatArray, least: float) -> Mask:
+    """Return the eligible cells (n,) where `least` cells or more are to be won; all if none is.
+
+    However near they are, a few cells more of ground that is felt already wait: a robot that picks
+    them up one by one gets to the frontier that leads on when its time is over.
+    """
+    promising = eligible & (growth >= least)
+    return promising if promising.any() else eligible
 
 
 def _is_same_ground(one: Scene, other: Scene) -> bool:
