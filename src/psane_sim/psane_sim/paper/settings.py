@@ -9,6 +9,7 @@ from typing import Any
 
 from psane_mapping.errors import ParameterError
 from psane_planner.presets import PRESETS
+from psane_reactive.configuration import ReactiveConfiguration
 from psane_sim.configuration import SimulatorConfiguration
 from psane_sim.paper.task import PaperTrial, Robot
 from psane_sim.runs.closed_loop import Settings
@@ -23,6 +24,11 @@ TOUCH_METHOD = 'touch_method'
 """Change that names a `TouchMethod` (physics only)."""
 
 THRESHOLD = 'planner.slip_threshold'
+
+KINEMATIC_STEERING = ReactiveConfiguration(mesh_edge=0.2)
+KINEMATIC_PLAN_PERIOD = 0.4
+"""Hundreds of kinematic explorations are for statistics: coarser meshes, and half of the plans [s].
+The stand-in feels new ground every 0.7 s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +73,9 @@ def loop_settings(trial: PaperTrial, shared: PaperSettings) -> Settings | Kinema
     if method is not TouchMethod.FORCE_AND_TORQUE:
         raise ParameterError(TOUCH_METHOD, method.value, 'the physics: the kinematic robot has '
                              'no forces to choose among')
-    return KinematicSettings(touch=_scaled(SimulatedTouchConfiguration(), noise), **parts)
+    return KinematicSettings(touch=_scaled(SimulatedTouchConfiguration(), noise),
+                             reactive=KINEMATIC_STEERING, plan_period=KINEMATIC_PLAN_PERIOD,
+                             **parts)
 
 
 def _scaled(touch: SimulatedTouchConfiguration, noise: float) -> SimulatedTouchConfiguration:

@@ -80,14 +80,16 @@ class KinematicRobot:
     def command(self, linear: float, angular: float) -> None:
         """Take a speed [m/s] and a yaw rate [rad/s]; what exceeds the limits is cut."""
         limit = self._configuration
-        self._asked = (float(np.clip(linear, -limit.speed_limit, limit.speed_limit)),
-                       float(np.clip(angular, -limit.turn_limit, limit.turn_limit)))
+        self._asked = (min(max(linear, -limit.speed_limit), limit.speed_limit),
+                       min(max(angular, -limit.turn_limit), limit.turn_limit))
 
     def feet(self) -> FloatArray:
         """Return where the six feet press, (6, 2), map frame [m]."""
-        cosine, sine = math.cos(self.pose[2]), math.sin(self.pose[2])
-        rotation = np.array([[cosine, -sine], [sine, cosine]])
-        return np.asarray(self.pose[:2] + FEET @ rotation.T)
+        x, y, yaw = self.pose.tolist()
+        cosine, sine = math.cos(yaw), math.sin(yaw)
+        turned = FEET @ np.array(((cosine, sine), (-sine, cosine)))
+        turned += (x, y)
+        return turned
 
     def step(self, duration: float) -> tuple[int, ...]:
         """Move on by `duration` [s]; return the legs whose stance ended meanwhile."""
@@ -96,14 +98,14 @@ class KinematicRobot:
         linear, angular = (now + share * (asked - now)
                            for now, asked in zip(self._moving, self._asked, strict=True))
         self._moving = (linear, angular)
-        slip = self._terrain.true_slip(self.feet())
         added = config.turning_slip * abs(angular) / max(config.turn_limit, 1e-9)
         # Turning costs nothing where the ground is firm, and all that is added where it is soft.
-        slip = np.minimum(1.0, slip + added * np.minimum(1.0, 2.0 * slip))
-        grip = np.maximum(0.0, 1.0 - slip) / (1.0 - FIRM_SLIP)
-        left = (linear - angular * config.half_track) * float(grip[:3].mean())
-        right = (linear + angular * config.half_track) * float(grip[3:].mean())
-        self.forward_slip = float(slip.mean())
+        slip = [min(1.0, own + added * min(1.0, 2.0 * own))
+                for own in self._terrain.true_slip(self.feet()).tolist()]
+        firm = 3.0 * (1.0 - FIRM_SLIP)
+        left = (linear - angular * config.half_track) * (3.0 - sum(slip[:3])) / firm
+        right = (linear + angular * config.half_track) * (3.0 - sum(slip[3:])) / firm
+        self.forward_slip = sum(slip) / 6.0
         self.velocity = (0.5 * (left + right), 0.5 * (right - left) / config.half_track)
         self._move(duration)
         return self._stances_ended(duration)

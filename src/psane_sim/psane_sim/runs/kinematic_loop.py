@@ -12,7 +12,7 @@ import numpy as np
 
 from psane_mapping.configuration import MappingConfiguration
 from psane_mapping.grid import FloatArray, Grid
-from psane_mapping.map_cells import SLIP_MEAN, SLIP_STD, MapSteps, cells_of_maps, slip_of_cells
+from psane_mapping.map_cells import MapSteps, cells_of_slip, slip_of_cells
 from psane_mapping.mapper import TerrainMapper, TerrainSample
 from psane_planner.configuration import PlannerConfiguration
 from psane_planner.planner import SafePlanner
@@ -32,22 +32,20 @@ from psane_sim.terrains.terrain import Terrain
 TICK = 0.1
 """Period of motion, commands and scoring [s]."""
 
-PLAN_TICKS = 2
-"""Ticks between plans."""
-
 ODOMETRY_DEVIATION = 0.005
 """Of the position that map, planner and steering are told [m]."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class KinematicSettings:
-    """Configurations of all parts."""
+    """Configurations of all parts, and the time between plans [s]."""
 
     robot: KinematicConfiguration = field(default_factory=KinematicConfiguration)
     touch: SimulatedTouchConfiguration = field(default_factory=SimulatedTouchConfiguration)
     mapping: MappingConfiguration = field(default_factory=MappingConfiguration)
     planner: PlannerConfiguration = field(default_factory=PlannerConfiguration)
     reactive: ReactiveConfiguration = field(default_factory=ReactiveConfiguration)
+    plan_period: float = 0.2
 
     @property
     def planner_of_robot(self) -> PlannerConfiguration:
@@ -77,7 +75,7 @@ class KinematicLoop:
         self._generator = np.random.default_rng((task.seed, 2))
         self._robot = KinematicRobot(settings.robot, terrain, start_pose, (task.seed, 0))
         self._touch = SimulatedTouch(settings.touch, terrain, (task.seed, 1))
-        self._mapper = TerrainMapper(settings.mapping)
+        self._mapper = TerrainMapper(settings.mapping, has_strength_map=False)
         self._planner = SafePlanner(settings.planner_of_robot, self._mapper.grid)
         self._controller = ReactiveController(settings.reactive)
         self._scorer = Scorer(terrain, self._mapper.grid, np.array(start_pose[:2]),
@@ -112,8 +110,9 @@ class KinematicLoop:
         """Run until the planner ends, the time is over or `watch` says so; return the score."""
         began = time.monotonic()
         ending = Ending.TIMEOUT
+        plan_ticks = max(1, round(self.settings.plan_period / TICK))
         for tick in range(round(self._task.duration / TICK)):
-            if tick % PLAN_TICKS == 0:
+            if tick % plan_ticks == 0:
                 plan = self._replan()
                 seen = None if watch is None else watch(self)
                 if plan.state in ENDINGS or seen is not None:
@@ -130,13 +129,14 @@ class KinematicLoop:
     def _advance(self) -> None:
         """Steer, move, feel and score for one tick."""
         robot = self._robot
-        self._controller.set_odometry(tuple(self._believed()), robot.velocity, robot.time)
+        pose = self._believed()
+        self._controller.set_odometry(tuple(pose), robot.velocity, robot.time)
         command = self._controller.command(robot.time)
         subgoal = self._controller.inputs.subgoal
         if command.mode is Mode.STUCK and subgoal is not None:
             self._planner.note_stuck(subgoal, robot.time)
         robot.command(command.linear, command.angular)
-        self._planner.note_motion(self._believed(), command.linear, command.angular, robot.time)
+        self._planner.note_motion(pose, command.linear, command.angular, robot.time)
         ended = robot.step(TICK)
         feet = robot.feet()
         for leg in ended:
@@ -148,7 +148,8 @@ class KinematicLoop:
 
     def _believed(self) -> FloatArray:
         noise = ODOMETRY_DEVIATION * self._generator.normal(size=2)
-        return self._robot.pose + np.append(noise, 0.0)
+        x, y, yaw = self._robot.pose
+        return np.array((x + noise[0], y + noise[1], yaw))
 
     def _replan(self) -> Plan:
         now = self._robot.time
@@ -165,7 +166,7 @@ class KinematicLoop:
     def _published_maps(self) -> tuple[FloatArray, FloatArray]:
         """Return slip mean and std as another node would read them off the topics."""
         if self._maps is None or self._mapper.version != self._maps_version:
-            cells = cells_of_maps(self._mapper.maps(), self._steps)
-            self._maps = slip_of_cells(cells[SLIP_MEAN], cells[SLIP_STD], self._steps.std_scale)
+            cells = cells_of_slip(self._mapper.maps(), self._steps)
+            self._maps = slip_of_cells(*cells, self._steps.std_scale)
             self._maps_version = self._mapper.version
         return self._maps

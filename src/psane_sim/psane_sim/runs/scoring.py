@@ -98,7 +98,7 @@ class Scorer:
         duration : float
             Time for which this holds [s].
         """
-        points = np.vstack((centre, feet))
+        points = np.concatenate((centre[None, :], feet))
         unsafe = self._terrain.true_slip(points) > self._threshold
         self._unsafe_time += duration * bool(unsafe[0])
         self._feet += len(feet)
