@@ -14,6 +14,9 @@ from psane_sim.terrains.terrain import Terrain, raise_border, terrain_grid
 SHORTEST_MISSION = 4.0
 """Least distance between start and goal [m]."""
 
+FINEST = 0.1
+"""Deviation of the blur that leaves no crease in a corridor too narrow to be felt [m]."""
+
 _ATTEMPTS = 200
 
 
@@ -48,8 +51,10 @@ def _corridors(generator: np.random.Generator, grid: Grid) -> FloatArray:
         end = generator.uniform(1.3, 8.7, 2)
         bend = 0.5 * (begin + end) + generator.uniform(-0.8, 0.8, 2)
         lines.append(smooth_line([tuple(begin), tuple(bend), tuple(end)]))
-    return corridor_slip(grid, lines, generator.uniform(1.2, 1.5),
+    slip = corridor_slip(grid, lines, generator.uniform(1.2, 1.5),
                          int(generator.integers(2**31)), width_variation=0.05)
+    # Where lanes meet there are creases narrower than what a foot presses on.
+    return np.asarray(gaussian_filter(slip, FINEST / grid.resolution, mode='nearest'))
 
 
 def _folded(values: FloatArray, span: float) -> FloatArray:

@@ -38,8 +38,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='how subgoals are chosen (default psane_geodesic)')
     parser.add_argument('--weaker', type=float, default=0.0, metavar='SHARE',
                         help='ground that is weaker than touch says, by this share (default 0)')
-    parser.add_argument('--duration', type=float, default=600.0, metavar='S',
-                        help='simulated time after which a trial ends [s] (default 600)')
+    parser.add_argument('--duration', type=float, default=900.0, metavar='S',
+                        help='simulated time after which a trial ends [s] (default 900)')
     parser.add_argument('--workers', type=int, default=os.cpu_count() or 1, metavar='N',
                         help='processes on this machine (default: its cores)')
     parser.add_argument('--scheduler', metavar='ADDRESS',

@@ -41,7 +41,7 @@ class AuditSettings:
     planner : PlannerConfiguration
     """
 
-    duration: float = 600.0
+    duration: float = 900.0
     weaker: float = 0.0
     planner: PlannerConfiguration = field(default_factory=PlannerConfiguration)
 
