@@ -108,7 +108,9 @@ def test_trials_of_other_settings_are_not_mixed_in(tmp_path, capsys):
 
 
 @pytest.mark.parametrize('arguments', [
-    ('--trials', '0'), ('--trials', '1', '--weaker', '1.0'), ('--trials', '1', '--weaker', '-1')])
+    ('--trials', '0'), ('--trials', '1', '--weaker', '1.0'), ('--trials', '1', '--weaker', '-1'),
+    ('--trials', '1', '--noise', '-1'), ('--trials', '1', '--noise', 'nan'),
+    ('--trials', '1', '--noise', '2', '--page', '.')])
 def test_numbers_that_make_no_sense_are_refused(tmp_path, capsys, arguments):
     assert run(tmp_path, *arguments) == 2
     assert 'expected' in capsys.readouterr().err
@@ -123,6 +125,7 @@ def test_a_cluster_that_cannot_be_had_is_said_in_words(tmp_path, capsys):
 def test_settings_that_differ_have_other_fingerprints():
     assert AuditSettings().fingerprint == AuditSettings().fingerprint
     assert AuditSettings().fingerprint != AuditSettings(weaker=0.1).fingerprint
+    assert AuditSettings().fingerprint != AuditSettings(noise=2.0).fingerprint
 
 
 def page_of(tmp_path, rows, weaker):

@@ -124,7 +124,7 @@ def test_errors_of_contacts_are_those_between_the_slips_that_decide():
     samples = [replace(sample, strength=true * math.exp(0.1), slip=0.33)
                for sample in felt(0.35, FEWEST, 0)]
     errors = errors_of_run(samples, terrain)
-    assert errors.count == FEWEST
+    assert errors.contacts == FEWEST
     assert (errors.log_bias, errors.log_deviation) == pytest.approx((0.1, 0.0), abs=1e-9)
     assert (errors.slip_bias, errors.slip_deviation) == pytest.approx((-0.02, 0.0), abs=1e-6)
     assert errors_of_run(samples[1:], terrain) is None

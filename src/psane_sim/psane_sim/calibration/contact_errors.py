@@ -27,14 +27,14 @@ class ContactErrors(NamedTuple):
 
     Parameters
     ----------
-    count : int
+    contacts : int
     log_bias, log_deviation : float
         Mean and standard deviation of the error of the natural logarithm of strength [-].
     slip_bias, slip_deviation : float
         The same of slip [-].
     """
 
-    count: int
+    contacts: int
     log_bias: float
     log_deviation: float
     slip_bias: float
@@ -78,7 +78,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             if errors is None:
                 continue
             found.append(errors)
-            print(f'{name} seed {seed}: {errors.count} contacts; log-strength '
+            print(f'{name} seed {seed}: {errors.contacts} contacts; log-strength '
                   f'{errors.log_bias:+.3f} +- {errors.log_deviation:.3f}, slip '
                   f'{errors.slip_bias:+.4f} +- {errors.slip_deviation:.4f}', flush=True)
     if found:

@@ -27,8 +27,8 @@ THRESHOLD = 'planner.slip_threshold'
 
 KINEMATIC_STEERING = ReactiveConfiguration(mesh_edge=0.2)
 KINEMATIC_PLAN_PERIOD = 0.4
-"""Hundreds of kinematic explorations are for statistics: coarser meshes, and half of the plans [s].
-The stand-in feels new ground every 0.7 s."""
+"""Hundreds of kinematic explorations are for statistics: coarser meshes, and half of the plans.
+The stand-in feels new ground every 0.7 s [s]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,14 +73,9 @@ def loop_settings(trial: PaperTrial, shared: PaperSettings) -> Settings | Kinema
     if method is not TouchMethod.FORCE_AND_TORQUE:
         raise ParameterError(TOUCH_METHOD, method.value, 'the physics: the kinematic robot has '
                              'no forces to choose among')
-    return KinematicSettings(touch=_scaled(SimulatedTouchConfiguration(), noise),
+    return KinematicSettings(touch=SimulatedTouchConfiguration().times(noise),
                              reactive=KINEMATIC_STEERING, plan_period=KINEMATIC_PLAN_PERIOD,
                              **parts)
-
-
-def _scaled(touch: SimulatedTouchConfiguration, noise: float) -> SimulatedTouchConfiguration:
-    names = ('height_bias', 'stance_deviation', 'position_deviation', 'sample_noise')
-    return replace(touch, **{name: noise * getattr(touch, name) for name in names})
 
 
 def threshold_of(settings: Settings | KinematicSettings) -> float:

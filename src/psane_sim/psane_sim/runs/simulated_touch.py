@@ -11,7 +11,7 @@ with the published noise, in whole runs on env1 and env2, the log-strength felt 
 `psane_sim.calibration.contact_errors`); here both are a little larger.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -51,6 +51,11 @@ class SimulatedTouchConfiguration(Configuration):
     strength_factor: float = parameter(
         1.0, 'strength that the slip comes from, as a share of the strength that is felt: below 1 '
         'the ground is weaker than the calibration says', low=0.1, high=10.0)
+
+    def times(self, factor: float) -> 'SimulatedTouchConfiguration':
+        """Return the same touch with every noise and bias multiplied by a factor [-]."""
+        names = ('height_bias', 'stance_deviation', 'position_deviation', 'sample_noise')
+        return replace(self, **{name: factor * getattr(self, name) for name in names})
 
 
 class SimulatedTouch:

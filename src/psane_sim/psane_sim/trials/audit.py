@@ -38,6 +38,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='how subgoals are chosen (default psane_geodesic)')
     parser.add_argument('--weaker', type=float, default=0.0, metavar='SHARE',
                         help='ground that is weaker than touch says, by this share (default 0)')
+    parser.add_argument('--noise', type=float, default=1.0, metavar='FACTOR',
+                        help='what all noise and bias of the touch is multiplied by (default 1)')
     parser.add_argument('--duration', type=float, default=900.0, metavar='S',
                         help='simulated time after which a trial ends [s] (default 900)')
     parser.add_argument('--workers', type=int, default=os.cpu_count() or 1, metavar='N',
@@ -57,7 +59,11 @@ def run(options: argparse.Namespace) -> int:
     if options.trials < 1 or options.workers < 1 or not 0.0 <= options.weaker < 1.0:
         raise AuditError(f'--trials {options.trials} --workers {options.workers} --weaker '
                          f'{options.weaker:g}, expected at least 1, at least 1, and [0, 1)')
-    settings = AuditSettings(duration=options.duration, weaker=options.weaker,
+    if not 0.0 <= options.noise <= 20.0:
+        raise AuditError(f'--noise {options.noise:g}, expected 0 to 20')
+    if options.page is not None and options.noise != 1.0:
+        raise AuditError(f'--page with --noise {options.noise:g}, expected --noise 1')
+    settings = AuditSettings(duration=options.duration, weaker=options.weaker, noise=options.noise,
                              planner=PlannerConfiguration(strategy=options.strategy))
     trials = trials_of(options.families, options.trials, options.first_seed)
     options.out.mkdir(parents=True, exist_ok=True)

@@ -38,11 +38,14 @@ class AuditSettings:
         Simulated time after which a trial ends [s].
     weaker : float
         Share by which the ground is weaker than touch says, 0..1 [-].
+    noise : float
+        What every noise and bias of the touch is multiplied by [-].
     planner : PlannerConfiguration
     """
 
     duration: float = 900.0
     weaker: float = 0.0
+    noise: float = 1.0
     planner: PlannerConfiguration = field(default_factory=PlannerConfiguration)
 
     @property
@@ -68,6 +71,7 @@ def run_trial(trial: Trial, settings: AuditSettings) -> dict[str, Any]:
                 strategy=planner.strategy, threshold=planner.slip_threshold, seed=trial.seed,
                 duration=settings.duration)
     touch = SimulatedTouchConfiguration(strength_factor=1.0 - settings.weaker)
+    touch = touch.times(settings.noise)
     loop = KinematicLoop(task, terrain, terrain.start_pose,
                          KinematicSettings(touch=touch, planner=planner))
     outcome, score = loop.run()

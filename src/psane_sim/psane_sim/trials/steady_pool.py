@@ -9,7 +9,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TypeVar
 
-from psane_sim.trials.trial_pool import ONE_THREAD
+from psane_sim.trials.trial_pool import ONE_THREAD, keep_to_one_core
 
 Trial = TypeVar('Trial')
 Result = TypeVar('Result')
@@ -60,7 +60,8 @@ class _Batch(Iterator[Result]):
                  workers: int) -> Generator[Result, None, None]:
         context = multiprocessing.get_context('spawn')
         others = set(multiprocessing.active_children())
-        pool = ProcessPoolExecutor(max_workers=workers, mp_context=context)
+        pool = ProcessPoolExecutor(max_workers=workers, mp_context=context,
+                                   initializer=keep_to_one_core)
         under_way: dict[Future[Result], Trial] = {}
         try:
             while queue or under_way:

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from typing import Any, TypeVar
 
+import cv2
+
 from psane_sim.errors import AuditError
 
 Row = dict[str, Any]
@@ -16,13 +18,19 @@ ONE_THREAD = ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS', 'NUM
 """Variables that keep a worker to its core."""
 
 
+def keep_to_one_core() -> None:
+    """Keep OpenCV, which reads no such variable, from starting threads in this process."""
+    cv2.setNumThreads(1)
+
+
 def run_locally(run: Callable[..., Row], trials: Sequence[Any], shared: Any, workers: int
                 ) -> Iterator[Row]:
     """Yield ``run(trial, shared)`` of every trial, as they finish, from `workers` processes."""
     for name in ONE_THREAD:
         os.environ[name] = '1'
     context = multiprocessing.get_context('spawn')
-    with ProcessPoolExecutor(max_workers=workers, mp_context=context) as pool:
+    with ProcessPoolExecutor(max_workers=workers, mp_context=context,
+                             initializer=keep_to_one_core) as pool:
         waiting = {pool.submit(run, trial, shared) for trial in trials}
         try:
             for done in as_completed(waiting):
