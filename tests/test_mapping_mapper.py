@@ -150,7 +150,7 @@ def test_without_a_map_of_strength_that_of_slip_is_the_same(mapper):
     alone = TerrainMapper(CONFIG, has_strength_map=False)
     untouched = mapper.maps()
     for k in range(20):
-        felt = stance(0.1 + 0.01 * k, leg=k % 6, point=(3.0 + 0.1 * k, 4.0), time=1.0 + k)
+        felt = stance(0.3 + 0.02 * k, leg=k % 6, point=(3.0 + 0.1 * k, 4.0), time=1.0 + k)
         assert isinstance(mapper.add(felt), TerrainSample)
         assert isinstance(alone.add(felt), TerrainSample)
     one, both = alone.maps(), mapper.maps()
