@@ -45,8 +45,8 @@ class PlannerConfiguration(Configuration):
         0.1, 'k_e: how fast the expansion probability saturates with the cells to be won',
         low=0.001, high=10.0)
     least_growth: float = parameter(
-        3.0, 'cells expected to be won below which a frontier waits until no other one is left '
-        '(psane_geodesic)', unit='cells', low=0.0, high=1000.0)
+        3.0, 'cells expected to be won below which, on the way to a goal, a frontier waits until '
+        'no other one is left (psane_geodesic)', unit='cells', low=0.0, high=1000.0)
     goal_decay: float = parameter(
         0.1, 'k_g: decay of the goal value with straight distance (psane, pgh, sgh)',
         unit='1/m', low=0.001, high=10.0)

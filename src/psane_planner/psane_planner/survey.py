@@ -31,12 +31,15 @@ class Ground(NamedTuple):
     cells : (n, 2) int
     points : (n, 2) float, map frame [m]
     growth : (n,) float [-], count
+    beside : (n,) float [-], count, or None
+        What could be won right beside the cells, however steeply slip may rise.
     to_goal : (n,) float [m], or None
     """
 
     cells: Integers
     points: FloatArray
     growth: FloatArray
+    beside: FloatArray | None
     to_goal: FloatArray | None
 
 
@@ -70,14 +73,19 @@ class FrontierSurveyor:
     def survey(self, scene: Scene, region: Region, memory: FrontierMemory) -> Survey:
         """Return the frontier of the scene with its scores."""
         config = self._configuration
-        cells, points, growth, to_goal = self._ground(scene)
+        cells, points, growth, beside, to_goal = self._ground(scene)
         to_robot = self._way_to_robot(scene, region, cells, points)
         awake = np.isfinite(to_robot)
         if self._traits.rests_frontiers:
             awake &= ~memory.is_resting(points, scene.now)
-        eligible = awake & (growth > 0) if self._traits.needs_growth else awake
-        if self._traits.is_geodesic:
-            eligible = without_crumbs(eligible, growth, config.least_growth)
+        if beside is not None and scene.goal is not None:
+            growth = np.maximum(growth, beside)
+            eligible = without_crumbs(awake & (growth > 0), growth, config.least_growth)
+        else:
+            eligible = awake & (growth > 0) if self._traits.needs_growth else awake
+        if beside is not None and not eligible.any():
+            # Nothing is within the reach of a cone: what is left is to look one cell further.
+            growth, eligible = beside, awake & (beside > 0)
         way, is_cut_off = _with_goal(scene, points, to_robot, to_goal, eligible)
         decay = (config.geodesic_goal_decay if self._traits.is_geodesic else config.goal_decay)
         scores = score_frontier(cells, points, growth, way, eligible & np.isfinite(way),
@@ -89,26 +97,28 @@ class FrontierSurveyor:
         if self._known is None or not _is_same_ground(self._known[0], scene):
             cells = frontier_cells(scene.component, scene.certified, scene.admissible)
             points = self._grid.point_of(cells)
-            self._known = (scene, Ground(cells, points, self._growth(scene, cells),
+            self._known = (scene, Ground(cells, points, *self._growth(scene, cells),
                                          self._way_to_goal(scene, cells, points)))
         return self._known[1]
 
-    def _growth(self, scene: Scene, cells: Integers) -> FloatArray:
-        """Return g_t of frontier cells (n, 2), (n,) [-].
+    def _growth(self, scene: Scene, cells: Integers) -> tuple[FloatArray, FloatArray | None]:
+        """Return g_t of frontier cells (n, 2), (n,) [-], and the same of the cells beside them.
 
-        If geodesic, a cell counts as much as it is likely safe, and those right beside a frontier
-        cell always do: close below the threshold the cone of `lipschitz_constant` ends before the
-        next cell, although a passage may lead on there.
+        If geodesic, a cell counts as much as it is likely safe. On the way to a goal those right
+        beside a frontier cell always count: close below the threshold the cone of
+        `lipschitz_constant` ends before the next cell, although a passage may lead on there.
+        Exploring, there is other ground to win, and the robot comes to the soft ground beside
+        such passages only when nothing else is left.
         """
         open_ground = scene.admissible & ~scene.certified
         if not self._traits.is_geodesic:
             return expansion_counts(cells, scene.bounds.lower, open_ground, self._configuration,
-                                    self._grid.resolution).astype(np.float64)
+                                    self._grid.resolution).astype(np.float64), None
         weights = self._prospects.weights(scene.bounds, open_ground)
         counts = expansion_counts(cells, scene.bounds.lower, weights, self._configuration,
                                   self._grid.resolution)
         beside = count_in_discs(weights, cells, np.full(len(cells), _BESIDE))
-        return np.maximum(counts, beside) / WHOLE
+        return counts / WHOLE, beside / WHOLE
 
     def _way_to_robot(self, scene: Scene, region: Region, cells: Integers,
                       points: FloatArray) -> FloatArray:
