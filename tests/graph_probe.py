@@ -9,6 +9,18 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.duration import Duration
 
 
+class NothingHeardError(LookupError):
+    """Nothing has come on a topic yet."""
+
+
+def _holds(condition):
+    """Tell whether a condition holds; one about a message that has not come yet does not."""
+    try:
+        return condition()
+    except NothingHeardError:
+        return False
+
+
 class Probe:
     """Speaks and listens on the graph of a test."""
 
@@ -41,7 +53,7 @@ class Probe:
     def until(self, condition, seconds=PATIENCE, every=None):
         """Spin until a condition holds, calling `every` now and then; fail when it never does."""
         end = time.monotonic() + seconds
-        while not condition():
+        while not _holds(condition):
             assert time.monotonic() < end, 'waited in vain'
             if every is not None:
                 every()
@@ -70,6 +82,8 @@ class Probe:
 
     def last(self, topic):
         """Return the last message that was heard on a topic."""
+        if not self.heard[topic]:
+            raise NothingHeardError(topic)
         return self.heard[topic][-1]
 
     def close(self):
