@@ -106,11 +106,10 @@ def test_coordinates_that_are_not_finite_are_refused():
 
 
 def test_a_point_outside_is_moved_to_the_nearest_place_one_centimetre_inside():
-    border = Border(SQUARE)
-    moved = point_inside(border, SQUARE, np.array((5.0, 1.0)), 0.01)
+    moved = point_inside(SQUARE, np.array((5.0, 1.0)), 0.01)
     assert moved == pytest.approx((2.99, 1.0))
     kept = np.array((1.0, 1.0))
-    assert point_inside(border, SQUARE, kept, 0.01) is kept
+    assert point_inside(SQUARE, kept, 0.01) is kept
 
 
 def test_random_points_lie_as_deep_as_asked():

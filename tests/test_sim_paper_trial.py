@@ -213,16 +213,16 @@ class FakeLoop:
         self.plan = None
         self.record = RunRecord(grid=grid, start=np.zeros(2), goal=None)
         self.time = 0.0
-        self.unsafe = 0.0
+        self.unsafe_time = 0.0
 
     def score(self):
-        return Score(path_m=0.0, unsafe_time_s=self.unsafe, unsafe_foot_share=0.0,
+        return Score(path_m=0.0, unsafe_time_s=self.unsafe_time, unsafe_foot_share=0.0,
                      false_certified_cells=0, certified_cells=0, coverage=0.25)
 
     def advance(self, watch, seconds, speed, is_unsafe):
         for _ in range(round(seconds / 0.2)):
             self.time += 0.2
-            self.unsafe += 0.2 * is_unsafe
+            self.unsafe_time += 0.2 * is_unsafe
             last = self.record.path[-1][1] if self.record.path else 0.0
             self.record.path.append((self.time, last + 0.2 * speed, 0.0))
             ending = watch(self)

@@ -6,7 +6,8 @@ strength 1. So the mapper needs to know nothing of the robot's legs, and any rob
 this record can be mapped with.
 """
 
-from dataclasses import dataclass, fields
+import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -65,7 +66,6 @@ class LegContact:
                 raise ShapeError(f'{name} holds a number that is not finite')
             array.setflags(write=False)
             object.__setattr__(self, name, array)
-        for entry in fields(self):
-            value = getattr(self, entry.name)
-            if isinstance(value, float) and not np.isfinite(value):
-                raise ShapeError(f'{entry.name} = {value}, expected a finite number')
+        for name, value in vars(self).items():
+            if isinstance(value, float) and not math.isfinite(value):
+                raise ShapeError(f'{name} = {value}, expected a finite number')

@@ -8,6 +8,7 @@ the true one. Strength is logarithmic between two documented ends and rounded do
 
 import math
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,6 +20,7 @@ Cells = NDArray[np.int8]
 UNKNOWN = -1
 STEPS = 100
 SLIP_STEP = 1.0 / STEPS
+_WHOLE = 1e-9
 
 
 def encode_slip_mean(mean: FloatArray) -> Cells:
@@ -56,7 +58,7 @@ def decode_std(cells: Cells, std_scale: float) -> FloatArray:
 def encode_log_strength(mean: FloatArray, lowest: float, highest: float) -> Cells:
     """Return log-strengths as cells, rounded down; `lowest` and `highest` are strengths [-]."""
     step = _log_step(lowest, highest)
-    return _encode((mean - math.log(lowest)) / step, np.floor)
+    return _encode((mean - math.log(lowest)) / step, is_up=False)
 
 
 def decode_log_strength(cells: Cells, lowest: float, highest: float) -> FloatArray:
@@ -71,17 +73,29 @@ def _log_step(lowest: float, highest: float) -> float:
 
 
 def _encode_up(values: FloatArray, step: float) -> Cells:
-    return _encode(np.asarray(values, dtype=np.float64) / step, np.ceil)
+    return _encode(np.asarray(values, dtype=np.float64) / step, is_up=True)
 
 
-def _encode(steps: FloatArray, rounding: np.ufunc) -> Cells:
+def _encode(steps: FloatArray, is_up: bool) -> Cells:
     steps = np.asarray(steps, dtype=np.float64)
-    # A value that is a whole step up to round-off is that step, and not the next one.
-    nearest = np.rint(steps)
-    whole = np.abs(steps - nearest) < 1e-9
-    rounded = np.where(whole, nearest, rounding(steps))
-    known = np.isfinite(steps)
-    return np.where(known, np.clip(rounded, 0, STEPS), UNKNOWN).astype(np.int8)
+    cells = np.empty(steps.shape, dtype=np.int8)
+    _round_to_cells(np.ascontiguousarray(steps).reshape(-1), is_up, cells.reshape(-1))
+    return cells
+
+
+@numba.njit(cache=True)
+def _round_to_cells(steps: FloatArray, is_up: bool, cells: Cells) -> None:
+    """Round steps (n,) and write them to cells (n,)."""
+    for i in range(steps.size):
+        value = steps[i]
+        if not math.isfinite(value):
+            cells[i] = UNKNOWN
+            continue
+        rounded = np.rint(value)
+        # A value that is a whole step up to round-off is that step, and not the next one.
+        if not abs(value - rounded) < _WHOLE:
+            rounded = math.ceil(value) if is_up else math.floor(value)
+        cells[i] = int(min(max(rounded, 0.0), float(STEPS)))
 
 
 def _decode(cells: Cells, step: float) -> FloatArray:

@@ -100,6 +100,11 @@ class GridPosterior:
         """Posterior standard deviation, (rows, columns), never above the prior's."""
         return np.sqrt(self._variance)
 
+    @property
+    def variance(self) -> FloatArray:
+        """Posterior variance, (rows, columns), a copy."""
+        return self._variance.copy()
+
     def condition(self, point: FloatArray, value: float, deviation: float) -> Innovation:
         """Take in one measurement.
 

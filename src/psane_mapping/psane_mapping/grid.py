@@ -121,6 +121,12 @@ class Grid:
 
     def contains(self, points: FloatArray) -> NDArray[np.bool_]:
         """Tell which points (..., 2) [m], map frame, lie in a cell of the grid."""
+        points = np.asarray(points, dtype=np.float64)
+        if points.ndim == 1:
+            # Asked for every stance several times.
+            column = (points.item(0) - self.origin_x) / self.resolution
+            row = (points.item(1) - self.origin_y) / self.resolution
+            return np.asarray(0.0 <= row < self.rows and 0.0 <= column < self.columns)
         cells = self.index_of(points)
         inside = (cells >= 0) & (cells < np.array(self.shape))
         return np.asarray(inside.all(axis=-1))

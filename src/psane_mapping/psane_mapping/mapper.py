@@ -87,6 +87,8 @@ class TerrainMapper:
         self._slip = self._posterior(start, self._slip_prior(), config.slip_prior_deviation)
         self._log_strength = self._posterior(start, self._log_strength_prior(),
                                              config.log_strength_prior_deviation)
+        # The map of strength, where nothing is ever taken into it.
+        self._untouched: tuple[FloatArray, FloatArray] | None = None
         self._version = 0
         self._latest = math.nan
         self.accepted = 0
@@ -149,15 +151,14 @@ class TerrainMapper:
         own deviation. It falls to `c` under any number of stances, and is the prior's far away.
         """
         config = self.config
-        maps = TerrainMaps(
-            grid=self.grid, version=self._version, time=self._latest,
-            slip_mean=self._slip.mean, log_strength_mean=self._log_strength.mean,
-            slip_std=_with_common_mode(self._slip, config.common_deviation),
-            log_strength_std=_with_common_mode(self._log_strength, config.common_log_deviation))
-        for array in (maps.slip_mean, maps.slip_std, maps.log_strength_mean,
-                      maps.log_strength_std):
-            array.setflags(write=False)
-        return maps
+        slip_mean, slip_std = _read_only(self._slip, config.common_deviation)
+        strength = self._untouched
+        if strength is None:
+            strength = _read_only(self._log_strength, config.common_log_deviation)
+            self._untouched = None if self._has_strength_map else strength
+        return TerrainMaps(
+            grid=self.grid, version=self._version, time=self._latest, slip_mean=slip_mean,
+            slip_std=slip_std, log_strength_mean=strength[0], log_strength_std=strength[1])
 
     def warm_up(self) -> None:
         """Compile what runs compiled, so that the first stance does not wait for it."""
@@ -187,6 +188,7 @@ class TerrainMapper:
         self._prior = prior
         self._slip.reset(self._slip_prior())
         self._log_strength.reset(self._log_strength_prior())
+        self._untouched = None
         self.reset()
 
     @property
@@ -249,7 +251,12 @@ class TerrainMapper:
         return math.hypot(deviation, contact.point_deviation * slope)
 
 
-def _with_common_mode(posterior: GridPosterior, common: float) -> FloatArray:
-    share = (posterior.std / posterior.kernel.deviation) ** 2
-    variance = posterior.std**2 + common**2 * (1.0 - share)
-    return np.asarray(np.minimum(np.sqrt(variance), posterior.kernel.deviation))
+def _read_only(posterior: GridPosterior, common: float) -> tuple[FloatArray, FloatArray]:
+    """Return mean and deviation of a map (rows, columns), the common mode in it."""
+    mean, prior = posterior.mean, posterior.kernel.deviation
+    variance = posterior.variance * (1.0 - (common / prior) ** 2)
+    variance += common**2
+    std = np.minimum(np.sqrt(variance, out=variance), prior)
+    for array in (mean, std):
+        array.setflags(write=False)
+    return mean, std

@@ -48,10 +48,10 @@ def propagate(estimate: StrengthEstimate, model: SlipModel,
       although all that was felt is that it is about 1 or more;
     - `slip_noise_floor` squared.
     """
-    slip = _bounded(model.slip(estimate.strength))
     strengths = estimate.strength * np.exp(estimate.log_deviation * _NODES)
-    change = _bounded(model.slip(strengths)) - slip
-    curve = float((_WEIGHTS * change**2).sum())
+    slips = _bounded(model.slip(np.append(strengths, estimate.strength)))
+    slip = slips[-1]
+    curve = float((_WEIGHTS * (slips[:-1] - slip)**2).sum())
     saturated = _chance_below(model.saturation_strength, estimate)
     variance = (curve + saturated * config.saturation_deviation**2
                 + config.slip_noise_floor**2)

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Slope through the origin of samples of which a few may be far off, compiled.
+"""Slope through the origin of samples of which a few may be far off, and its error, compiled.
 
 Sums are added up in the order of `numpy.sum`, so that results agree with it to the last bit.
 """
+
+import math
 
 import numba
 import numpy as np
@@ -11,6 +13,9 @@ from psane_mapping.grid import FloatArray
 
 _LANES = 8
 _BLOCK = 128
+_ROUNDS = 6
+_HUBER = 1.5
+_LEAST_SCALE = 1.0
 
 
 @numba.njit(cache=True)
@@ -76,3 +81,82 @@ def huber_slope(predictor: FloatArray, measured: FloatArray, weights: FloatArray
             scale = least_scale
         weights[:] = np.minimum(1.0, bend * scale / np.maximum(np.abs(residual), 1e-12))
     return float(slope)
+
+
+@numba.njit(cache=True, error_model='numpy')
+def regress(predictor: FloatArray, measured: FloatArray, depth: FloatArray
+            ) -> tuple[float, float, float, float]:
+    """Return what a regression through the origin tells, with Huber's weights.
+
+    Their scale comes from the median absolute residual: a knock or a slipping grain that lasts a
+    few samples does not tilt the line.
+
+    Parameters
+    ----------
+    predictor, measured : (channels, n) float
+        Scaled by the noise [-].
+    depth : (n,) float [m]
+        Above 0.
+
+    Returns
+    -------
+    slope : float [-]
+    r_squared : float
+        Share of the weighted square of the measurement that the slope explains [-].
+    scatter : float
+        Standard error of the logarithm of the slope, from the residuals [-].
+    inverse_depth : float
+        Mean of 1 / depth, each sample weighted by how much it tells of the slope [1/m].
+    """
+    weights, residual = np.empty_like(measured), np.empty_like(measured)
+    slope = huber_slope(predictor.reshape(-1), measured.reshape(-1), weights.reshape(-1),
+                        residual.reshape(-1), _ROUNDS, _HUBER, _LEAST_SCALE)
+    total = pairwise_sum((weights * measured**2).reshape(-1))
+    missed = pairwise_sum((weights * residual**2).reshape(-1))
+    r_squared = 1.0 - missed / total if total > 0.0 else 0.0
+    leverage = weights * predictor**2
+    scatter = _standard_error(residual, weights, leverage) / slope
+    inverse_depth = (pairwise_sum((leverage / depth).reshape(-1))
+                     / pairwise_sum(leverage.reshape(-1)))
+    return slope, r_squared, scatter, inverse_depth
+
+
+@numba.njit(cache=True, error_model='numpy')
+def disagreement(predictor: FloatArray, measured: FloatArray) -> float:
+    """Return by how much more than by chance the first two channels' log-slopes differ [-].
+
+    Parameters
+    ----------
+    predictor, measured : (channels, n) float
+        Scaled by the noise [-].
+    """
+    logs, variance = np.zeros(2), 0.0
+    for channel in range(2):
+        x, y = predictor[channel:channel + 1], measured[channel:channel + 1]
+        if not pairwise_sum((x**2).reshape(-1)) > 0.0:
+            return 0.0
+        weights, residual = np.empty_like(y), np.empty_like(y)
+        slope = huber_slope(x.reshape(-1), y.reshape(-1), weights.reshape(-1),
+                            residual.reshape(-1), _ROUNDS, _HUBER, _LEAST_SCALE)
+        if slope <= 0.0:
+            return 0.0
+        logs[channel] = math.log(slope)
+        variance += (_standard_error(residual, weights, weights * x**2) / slope) ** 2
+    return math.sqrt(max(0.0, (logs[0] - logs[1]) ** 2 - variance))
+
+
+@numba.njit(cache=True, error_model='numpy')
+def _standard_error(residual: FloatArray, weights: FloatArray, leverage: FloatArray) -> float:
+    """Return the standard error of the slope, for samples (channels, n) alike in time.
+
+    The number of samples is divided by ``(1 + r) / (1 - r)``, r being the correlation of
+    neighbouring residuals (an AR(1) process); their scale is not below that of the noise.
+    """
+    misfit = pairwise_sum((weights * residual**2).reshape(-1))
+    scale = max(_LEAST_SCALE, math.sqrt(misfit / pairwise_sum(weights.reshape(-1))))
+    power = pairwise_sum((residual**2).reshape(-1))
+    neighbours = pairwise_sum((residual[:, 1:] * residual[:, :-1]).reshape(-1))
+    repeated = neighbours / power if power > 0.0 else 0.0
+    repeated = min(max(repeated, 0.0), 1.0 - 1.0 / residual.shape[1])
+    inflation = (1.0 + repeated) / (1.0 - repeated)
+    return scale * math.sqrt(inflation / pairwise_sum(leverage.reshape(-1)))

@@ -3,6 +3,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -66,7 +67,7 @@ class CalibratedSlipCurve:
         if not 0.0 <= self.residual < 1.0:
             raise ParameterError('residual', self.residual, 'a value in [0, 1)')
 
-    @property
+    @cached_property
     def saturation_strength(self) -> float:
         """Strength below which slip is 1 [-]."""
         return float(self.inverse(1.0))

@@ -29,11 +29,7 @@ from numpy.typing import NDArray
 from psane_mapping.configuration import MappingConfiguration
 from psane_mapping.contact import LegContact
 from psane_mapping.grid import FloatArray
-from psane_mapping.robust_slope import huber_slope
-
-_ROUNDS = 6
-_HUBER = 1.5
-_LEAST_SCALE = 1.0
+from psane_mapping.robust_slope import disagreement, regress
 
 
 class Reason(enum.Enum):
@@ -109,19 +105,20 @@ def estimate_strength(contact: LegContact, config: MappingConfiguration
     else:
         predictor, measured, deviation = _force_channels(contact, below)
         exponent, model = config.depth_exponent, config.model_deviation
-    predicted = float(np.abs(predictor / deviation).max())
+    predictor, measured = predictor / deviation, measured / deviation
+    predicted = float(np.abs(predictor).max())
     if predicted < config.least_response:
         return Rejection(reason=Reason.NO_RESPONSE, value=predicted)
     beliefs = _Beliefs(exponent, model, config.height_bias_deviation)
-    return _regress(predictor, measured, deviation, contact.depth[below], beliefs, config)
+    return _regress(predictor, measured, contact.depth[below], beliefs, config)
 
 
 def _force_channels(contact: LegContact, below: NDArray[np.bool_]
                     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return prediction, measurement and noise (n, channels) [N] of the channels to trust."""
-    channels = [0, 1, 2] if contact.has_velocity else [1]
-    return (contact.response[below][:, channels], contact.measured[below][:, channels],
-            np.maximum(contact.deviation[below][:, channels], 1e-6))
+    """Return prediction, measurement and noise (channels, n) [N] of the channels to trust."""
+    channels = slice(0, 3) if contact.has_velocity else slice(1, 2)
+    return (_rows(contact.response[below, channels]), _rows(contact.measured[below, channels]),
+            np.maximum(_rows(contact.deviation[below, channels]), 1e-6))
 
 
 def _stiffness_channel(contact: LegContact, below: NDArray[np.bool_],
@@ -133,17 +130,21 @@ def _stiffness_channel(contact: LegContact, below: NDArray[np.bool_],
     strengths 0.05 to 3 of the simulated hexapod the log-strength is off by 0.5 RMSE (the
     regression on the predicted force: 0.05), and most stances fail the fit's R^2.
     """
-    predictor = config.fit_stiffness * contact.depth[below][:, None]
-    return (predictor, contact.measured[below][:, 1:2],
-            np.maximum(contact.deviation[below][:, 1:2], 1e-6))
+    predictor = config.fit_stiffness * contact.depth[None, below]
+    return (predictor, _rows(contact.measured[below, 1:2]),
+            np.maximum(_rows(contact.deviation[below, 1:2]), 1e-6))
 
 
-def _regress(predictor: FloatArray, measured: FloatArray, deviation: FloatArray,
-             depth: FloatArray, beliefs: _Beliefs, config: MappingConfiguration
-             ) -> StrengthEstimate | Rejection:
-    slope, weights, residual = _robust_slope(predictor / deviation, measured / deviation)
-    total = float((weights * (measured / deviation) ** 2).sum())
-    r_squared = 1.0 - float((weights * residual**2).sum()) / total if total > 0.0 else 0.0
+def _rows(samples: FloatArray) -> FloatArray:
+    """Return samples (n, channels) with one row a channel, as the regression wants them."""
+    return np.ascontiguousarray(samples.T)
+
+
+def _regress(predictor: FloatArray, measured: FloatArray, depth: FloatArray, beliefs: _Beliefs,
+             config: MappingConfiguration) -> StrengthEstimate | Rejection:
+    """Return the strength that samples (channels, n), scaled by their noise, tell of."""
+    slope, r_squared, scatter, inverse_depth = regress(
+        predictor, measured, np.maximum(depth, config.least_depth))
     if slope <= 0.0:
         return Rejection(reason=Reason.NOT_POSITIVE, value=slope)
     # Written so that a fit which is not a number fails too.
@@ -151,67 +152,11 @@ def _regress(predictor: FloatArray, measured: FloatArray, deviation: FloatArray,
         return Rejection(reason=Reason.POOR_FIT, value=r_squared)
     if not 1.0 / config.most_strength <= slope <= config.most_strength:
         return Rejection(reason=Reason.IMPLAUSIBLE, value=slope)
-    leverage = weights * (predictor / deviation) ** 2
-    scatter = _scatter(residual, weights, leverage) / slope
-    floored = np.maximum(depth, config.least_depth)[:, None]
-    sensitivity = beliefs.depth_exponent * float((leverage / floored).sum() / leverage.sum())
-    height = sensitivity * beliefs.height_bias_deviation
-    disagreement = config.disagreement_share * _disagreement(predictor / deviation,
-                                                             measured / deviation)
-    variance = scatter**2 + height**2 + disagreement**2 + beliefs.model_deviation**2
+    height = beliefs.depth_exponent * inverse_depth * beliefs.height_bias_deviation
+    contradiction = disagreement(predictor, measured) if len(predictor) > 1 else 0.0
+    contradiction *= config.disagreement_share
+    variance = scatter**2 + height**2 + contradiction**2 + beliefs.model_deviation**2
     return StrengthEstimate(strength=slope, log_deviation=math.sqrt(variance),
                             r_squared=r_squared, scatter_deviation=scatter,
                             height_deviation=height, samples=depth.size,
-                            disagreement_deviation=disagreement)
-
-
-def _robust_slope(predictor: FloatArray, measured: FloatArray
-                  ) -> tuple[float, FloatArray, FloatArray]:
-    """Return slope through the origin, weights and residuals, all scaled by the noise.
-
-    Huber's weights with the scale from the median absolute residual: a knock or a slipping
-    grain that lasts a few samples does not tilt the line.
-    """
-    measured = measured.copy(order='K')
-    same, weights, residual = (np.empty_like(measured) for _ in range(3))
-    # In the same order in memory as the others.
-    same[...] = predictor
-    slope = huber_slope(_flat(same), _flat(measured), _flat(weights), _flat(residual),
-                        _ROUNDS, _HUBER, _LEAST_SCALE)
-    return float(slope), weights, residual
-
-
-def _flat(values: FloatArray) -> FloatArray:
-    """Return a view (n * channels,) of contiguous samples in the order in which they lie."""
-    return np.asarray(values if values.flags.c_contiguous else values.T).reshape(-1)
-
-
-def _disagreement(predictor: FloatArray, measured: FloatArray) -> float:
-    """Return by how much more than by chance the first two channels' log-strengths differ."""
-    if predictor.shape[1] < 2:
-        return 0.0
-    logs, variance = [], 0.0
-    for channel in ([0], [1]):
-        x, y = predictor[:, channel], measured[:, channel]
-        if not (x**2).sum() > 0.0:
-            return 0.0
-        slope, weights, residual = _robust_slope(x, y)
-        if slope <= 0.0:
-            return 0.0
-        logs.append(math.log(slope))
-        variance += (_scatter(residual, weights, weights * x**2) / slope) ** 2
-    return math.sqrt(max(0.0, (logs[0] - logs[1]) ** 2 - variance))
-
-
-def _scatter(residual: FloatArray, weights: FloatArray, leverage: FloatArray) -> float:
-    """Return the standard error of the slope, for samples that are alike in time.
-
-    The number of samples is divided by ``(1 + r) / (1 - r)``, r being the correlation of
-    neighbouring residuals (an AR(1) process); their scale is not below that of the noise.
-    """
-    scale = max(_LEAST_SCALE, math.sqrt(float((weights * residual**2).sum() / weights.sum())))
-    power = float((residual**2).sum())
-    repeated = float((residual[1:] * residual[:-1]).sum()) / power if power > 0.0 else 0.0
-    repeated = min(max(repeated, 0.0), 1.0 - 1.0 / residual.shape[0])
-    inflation = (1.0 + repeated) / (1.0 - repeated)
-    return scale * math.sqrt(inflation / float(leverage.sum()))
+                            disagreement_deviation=contradiction)

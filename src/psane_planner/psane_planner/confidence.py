@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Confidence intervals of slip that only ever narrow, until the data contradict them."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from psane_mapping.grid import FloatArray
-from psane_planner.discs import Mask
+from psane_planner.compiled import compiled
 from psane_planner.errors import MapError
 from psane_planner.transfer import Transfer
-from psane_planner.window import Window, window_around
+from psane_planner.window import Window
 
 
 class Bounds(NamedTuple):
@@ -107,8 +108,11 @@ class ConfidenceIntervals:
         if self._last is None:
             changed: Window | None = Window(slice(0, mean.shape[0]), slice(0, mean.shape[1]))
         else:
-            differs = _differ(mean, self._last[0]) | _differ(std, self._last[1])
-            changed = window_around(differs, 0)
+            before, now = self._last, (mean, std)
+            first_row, last_row, first_column, last_column = _differing(
+                *(_as_read_only(array) for array in (*before, *now)))
+            changed = None if last_row < 0 else Window(slice(first_row, last_row + 1),
+                                                       slice(first_column, last_column + 1))
         if changed is not None:
             _check_numbers(mean[changed], std[changed])
             self._last = (_kept(mean), _kept(std))
@@ -120,18 +124,13 @@ class ConfidenceIntervals:
 
     def _narrow(self, mean: FloatArray, std: FloatArray, where: Window) -> int:
         """Intersect the intervals of a window; return how many were started over."""
-        half = self._half_widths * std
-        unknown = np.isnan(mean) | np.isnan(std)
-        lower = np.where(unknown, -np.inf, mean - half)
-        upper = np.where(unknown, np.inf, mean + half)
-        kept_lower = np.maximum(self._lower[where], lower)
-        kept_upper = np.minimum(self._upper[where], upper)
-        empty = (kept_lower > kept_upper) & ~unknown
-        over = empty | unknown
-        self._lower[where] = np.where(over, lower, kept_lower)
-        self._upper[where] = np.where(over, upper, kept_upper)
-        self._newest[where] = np.where(unknown, np.inf, mean + self._revoking * std)
-        return int(np.count_nonzero(empty))
+        # Copies are all of one type, of which the compiled code needs to exist only once.
+        lower, upper, newest = (array[where].copy()
+                                for array in (self._lower, self._upper, self._newest))
+        empty = _intersect(lower, upper, newest, mean.copy(), std.copy(), self._half_widths,
+                           self._revoking)
+        self._lower[where], self._upper[where], self._newest[where] = lower, upper, newest
+        return empty
 
 
 def _kept(array: FloatArray) -> FloatArray:
@@ -139,8 +138,29 @@ def _kept(array: FloatArray) -> FloatArray:
     return array.copy() if array.flags.writeable else array
 
 
-def _differ(one: FloatArray, other: FloatArray) -> Mask:
-    return np.asarray((one != other) & ~(np.isnan(one) & np.isnan(other)))
+def _as_read_only(array: FloatArray) -> FloatArray:
+    """Return a view of the one type that there is compiled code for."""
+    view = np.ascontiguousarray(array).view()
+    view.setflags(write=False)
+    return view
+
+
+@compiled
+def _differing(mean: FloatArray, std: FloatArray, new_mean: FloatArray, new_std: FloatArray
+               ) -> tuple[int, int, int, int]:
+    """Return first and last row, first and last column of what differs; a last row -1 if none."""
+    rows, columns = mean.shape
+    first_row, last_row, first_column, last_column = rows, -1, columns, -1
+    for row in range(rows):
+        for column in range(columns):
+            one, other = mean[row, column], new_mean[row, column]
+            if one == other or (math.isnan(one) and math.isnan(other)):
+                one, other = std[row, column], new_std[row, column]
+                if one == other or (math.isnan(one) and math.isnan(other)):
+                    continue
+            first_row, last_row = min(first_row, row), row
+            first_column, last_column = min(first_column, column), max(last_column, column)
+    return first_row, last_row, first_column, last_column
 
 
 def _check_shape(mean: FloatArray, std: FloatArray, shape: tuple[int, ...]) -> None:
@@ -155,3 +175,26 @@ def _check_numbers(mean: FloatArray, std: FloatArray) -> None:
             raise MapError(f'{name} holds an infinite number; use NaN for no estimate')
     if (std < 0.0).any():
         raise MapError('slip_std holds a negative number')
+
+
+@compiled
+def _intersect(lower: FloatArray, upper: FloatArray, newest: FloatArray, mean: FloatArray,
+               std: FloatArray, half_widths: float, revoking: float) -> int:
+    """Narrow intervals (rows, columns) in place; return how many were empty and start over."""
+    empty = 0
+    for row in range(mean.shape[0]):
+        for column in range(mean.shape[1]):
+            middle, deviation = mean[row, column], std[row, column]
+            if math.isnan(middle) or math.isnan(deviation):
+                lower[row, column], upper[row, column] = -np.inf, np.inf
+                newest[row, column] = np.inf
+                continue
+            low = middle - half_widths * deviation
+            high = middle + half_widths * deviation
+            kept_low, kept_high = max(lower[row, column], low), min(upper[row, column], high)
+            if kept_low > kept_high:
+                kept_low, kept_high = low, high
+                empty += 1
+            lower[row, column], upper[row, column] = kept_low, kept_high
+            newest[row, column] = middle + revoking * deviation
+    return empty

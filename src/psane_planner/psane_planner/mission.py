@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a scene to a decision that always has a reason."""
 
+import math
+
 import numpy as np
 
 from psane_mapping.grid import FloatArray, Grid
@@ -168,8 +170,8 @@ class Mission:
         return self._with_patience(scene, decision)
 
     def _is_at(self, position: FloatArray, subgoal: FloatArray | None) -> bool:
-        return subgoal is not None and bool(
-            np.hypot(*(subgoal - position)) <= self._configuration.arrival_distance)
+        return (subgoal is not None
+                and math.dist(subgoal, position) <= self._configuration.arrival_distance)
 
     def _remember(self, scene: Scene, cell: Integers, focus: FloatArray, is_there: bool) -> None:
         """Tell the memory of a stay at the frontier, or of a way there that leads nowhere."""
@@ -181,7 +183,7 @@ class Mission:
             nearby = count_in_discs(scene.certified, cell[None, :], np.array([radius]))
             self._memory.note_stay(focus, int(nearby[0]), scene.now)
             return
-        away = float(np.hypot(*(self._subgoal - scene.position)))
+        away = math.dist(self._subgoal, scene.position)
         if self._approach.time_without(-away, scene.now) > self._configuration.approach_time:
             self._memory.set_aside(focus, scene.now)
 

@@ -24,7 +24,7 @@ from psane_planner.strategies import make_strategy
 from psane_planner.stride_monitor import StrideMonitor
 from psane_planner.transfer import transfer_between
 
-_RING = np.column_stack([wave(np.arange(6) * np.pi / 3.0) for wave in (np.cos, np.sin)])
+_RING = tuple((math.cos(turn), math.sin(turn)) for turn in (k * math.pi / 3.0 for k in range(6)))
 """Where six feet stand around the centre, as far as their mean is concerned, radius 1 [-]."""
 
 
@@ -143,13 +143,14 @@ class SafePlanner:
         """
         if self._felt is None:
             return math.nan
-        grid, total = self.grid, 0.0
-        for foot in pose[:2] + self.configuration.footprint_radius * _RING:
-            row = math.floor((foot[1] - grid.origin_y) / grid.resolution)
-            column = math.floor((foot[0] - grid.origin_x) / grid.resolution)
+        grid, radius, total = self.grid, self.configuration.footprint_radius, 0.0
+        x, y = float(pose[0]), float(pose[1])
+        for ahead, aside in _RING:
+            row = math.floor((y + radius * aside - grid.origin_y) / grid.resolution)
+            column = math.floor((x + radius * ahead - grid.origin_x) / grid.resolution)
             if not (0 <= row < grid.rows and 0 <= column < grid.columns):
                 return math.nan
-            total += float(self._felt[row, column])
+            total += self._felt.item(row, column)
         return total / len(_RING)
 
     def note_stuck(self, subgoal: FloatArray, now: float) -> bool:

@@ -150,8 +150,12 @@ class RegionBuilder:
                         grid.origin_y + (rows.start - 1) * grid.resolution, fine, rows, columns)
 
     def _outline(self, lattice: _Lattice) -> list[Polygon]:
-        tracer = contourpy.contour_generator(z=lattice.distance,
-                                             fill_type=contourpy.FillType.OuterOffset)
+        rows, columns = shape = lattice.distance.shape
+        # Left to itself, contourpy would fill two arrays with these.
+        tracer = contourpy.contour_generator(
+            np.broadcast_to(np.arange(columns, dtype=np.float64), shape),
+            np.broadcast_to(np.arange(rows, dtype=np.float64)[:, None], shape),
+            lattice.distance, fill_type=contourpy.FillType.OuterOffset)
         filled = tracer.filled(self._level, float('inf'))
         points, offsets = cast('tuple[list[FloatArray], list[NDArray[np.uint32]]]', filled)
         pieces = []

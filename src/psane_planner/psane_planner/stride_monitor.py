@@ -98,12 +98,20 @@ class StrideMonitor:
             return mean
         if known is not None and known[0] is mean and known[1] == weakening:
             return known[2]
-        strength = self._curve.inverse(np.clip(mean, 0.0, 1.0)) * math.exp(weakening)
-        weakened = np.asarray(np.where(np.isfinite(strength),
-                                       np.maximum(mean, self._curve.slip(strength)), mean))
+        if known is not None and known[0].shape == mean.shape and known[1] == weakening:
+            # A stance changes the map near it only.
+            weakened, changed = known[2].copy(), mean != known[0]
+            weakened[changed] = self._weaken(mean[changed], weakening)
+        else:
+            weakened = self._weaken(mean, weakening)
         weakened.setflags(write=False)
         self._weakened = (mean, weakening, weakened) if not mean.flags.writeable else None
         return weakened
+
+    def _weaken(self, mean: FloatArray, weakening: float) -> FloatArray:
+        strength = self._curve.inverse(np.clip(mean, 0.0, 1.0)) * math.exp(weakening)
+        return np.asarray(np.where(np.isfinite(strength),
+                                   np.maximum(mean, self._curve.slip(strength)), mean))
 
     def _restart(self, now: float, pose: FloatArray) -> None:
         self._began = self._now = now

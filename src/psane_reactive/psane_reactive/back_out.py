@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Back out before a large turn while the nose is over ground that is not certified."""
 
+import math
 from collections import deque
 
 import numpy as np
@@ -48,7 +49,7 @@ class BackOut:
     def remember(self, pose: Pose) -> None:
         """Note where the robot has been."""
         here = pose.position
-        if not self._trail or np.hypot(*(here - self._trail[-1])) >= _SPACING:
+        if not self._trail or math.dist(here, self._trail[-1]) >= _SPACING:
             self._trail.append(here)
 
     def velocity(self, border: Border, pose: Pose, measured: Velocity,

@@ -130,12 +130,17 @@ def _index(ends: FloatArray, corner: FloatArray, size: float, rows: int, columns
            ) -> tuple[NDArray[np.bool_], IndexArray, IndexArray]:
     """Return anchors inside, offsets and entries of the buckets (see `Segments`)."""
     anchors_inside = np.zeros((rows, columns), dtype=np.bool_)
-    for row in range(rows):
-        for column in range(columns):
-            x, y = _anchor(corner, size, row, column)
-            for i in range(ends.shape[0]):
-                if _crosses_level(ends[i, 1], ends[i, 3], ends[i, 0], ends[i, 2], y, x, np.inf):
-                    anchors_inside[row, column] = not anchors_inside[row, column]
+    for i in range(ends.shape[0]):
+        x0, y0, x1, y1 = ends[i, 0], ends[i, 1], ends[i, 2], ends[i, 3]
+        low, high = min(y0, y1), max(y0, y1)
+        # One row more on each side than round-off can need.
+        for row in range(max(0, math.floor((low - corner[1]) / size) - 1),
+                         min(rows, math.floor((high - corner[1]) / size) + 2)):
+            for column in range(columns):
+                x, y = _anchor(corner, size, row, column)
+                if not _crosses_level(y0, y1, x0, x1, y, x, np.inf):
+                    break
+                anchors_inside[row, column] = not anchors_inside[row, column]
     offsets = np.zeros(rows * columns + 1, dtype=np.int64)
     entries = np.empty(0, dtype=np.int64)
     for is_second in range(2):
@@ -159,11 +164,21 @@ def _index(ends: FloatArray, corner: FloatArray, size: float, rows: int, columns
     return anchors_inside, offsets, entries
 
 
+@njit(cache=True)  # type: ignore[misc]
+def _extent(ends: FloatArray) -> tuple[float, float, float, float]:
+    """Return the least and the largest x, then those of y."""
+    low_x, high_x, low_y, high_y = np.inf, -np.inf, np.inf, -np.inf
+    for i in range(ends.shape[0]):
+        low_x, high_x = min(low_x, ends[i, 0], ends[i, 2]), max(high_x, ends[i, 0], ends[i, 2])
+        low_y, high_y = min(low_y, ends[i, 1], ends[i, 3]), max(high_y, ends[i, 1], ends[i, 3])
+    return low_x, high_x, low_y, high_y
+
+
 def index_segments(ends: FloatArray) -> Segments:
     """Sort border segments (n, 4) [m] into buckets."""
-    x, y = ends[:, 0::2], ends[:, 1::2]
-    corner = np.array((x.min(), y.min())) - LISTED
-    extent = np.array((x.max(), y.max())) + LISTED - corner
-    size = max(_SIZE, float(extent.max()) / _MOST)
-    columns, rows = (int(n) + 1 for n in extent / size)
+    low_x, high_x, low_y, high_y = _extent(ends)
+    corner = np.array((low_x - LISTED, low_y - LISTED))
+    width, height = high_x + LISTED - corner[0], high_y + LISTED - corner[1]
+    size = max(_SIZE, float(max(width, height)) / _MOST)
+    columns, rows = int(width / size) + 1, int(height / size) + 1
     return Segments(ends, corner, size, *_index(ends, corner, size, rows, columns))

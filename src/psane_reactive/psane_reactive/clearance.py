@@ -107,10 +107,12 @@ class Border:
     """
 
     def __init__(self, area: Area) -> None:
-        parts = area.geoms if isinstance(area, shapely.MultiPolygon) else (area,)
-        rings = [ring for part in parts for ring in (part.exterior, *part.interiors)]
-        pieces = [_ring_segments(np.asarray(ring.coords)[:, :2]) for ring in rings]
-        self.segments = index_segments(np.ascontiguousarray(np.concatenate(pieces), np.float64))
+        rings = shapely.get_rings(shapely.get_parts(area))
+        points, ring = shapely.get_coordinates(rings, return_index=True)
+        segments = np.hstack((points[:-1], points[1:]))
+        lengths = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
+        # What leads from one ring to the next is none.
+        self.segments = index_segments(segments[(ring[:-1] == ring[1:]) & (lengths > 1e-12)])
 
     def outside_distance(self, point: Any) -> float:
         """Signed distance of a point (2,) [m] to the border; negative inside."""
@@ -136,11 +138,3 @@ class Border:
         """Distance from a point along a heading [rad] to the border, at most `reach` [m]."""
         return float(_ray(self.segments.ends, float(point[0]), float(point[1]), math.cos(heading),
                           math.sin(heading), reach))
-
-
-def _ring_segments(ring: FloatArray) -> FloatArray:
-    """Return the segments (n, 4) of a closed ring of coordinates that have a length."""
-    segments = np.hstack((ring[:-1], ring[1:]))
-    lengths = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
-    kept: FloatArray = segments[lengths > 1e-12]
-    return kept

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The steering as a whole: region, subgoal and odometry in, one safe command out."""
 
+import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from typing import Any
@@ -178,11 +179,11 @@ class ReactiveController:
         pose = self.inputs.pose
         goal = guide.goal_inside(subgoal, pose.position)
         tolerance = self.configuration.arrival_tolerance
-        distance = float(np.hypot(*(goal - pose.position)))
+        distance = math.dist(goal, pose.position)
         self._has_arrived = distance <= tolerance * (2.0 if self._has_arrived else 1.0)
         if self._has_arrived:
             self._law.reset()
-            missed = float(np.hypot(*(goal - subgoal)))
+            missed = math.dist(goal, subgoal)
             if missed > tolerance:
                 return self._shuffle(guide.border, f'the subgoal is {missed:.2f} m outside the '
                                      'part of the region that holds the robot', now)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Find the way through the region: by the chosen map, by the field where the map cannot tell."""
 
+import math
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
 import shapely
 
 from psane_mapping.grid import FloatArray
@@ -100,8 +100,7 @@ class Guide:
         component = self._enter(position)
         key = subgoal.tobytes()
         if self._goal is None or self._goal[0] != key:
-            border = Border(component)
-            self._goal = (key, point_inside(border, component, subgoal, _SUBGOAL_DEPTH))
+            self._goal = (key, point_inside(component, subgoal, _SUBGOAL_DEPTH))
         return self._goal[1]
 
     def aim(self, position: FloatArray, goal: FloatArray, prefer_field: bool) -> Aim | None:
@@ -114,7 +113,7 @@ class Guide:
             True when the map has led nowhere.
         """
         settings = self._configuration
-        distance = float(np.hypot(*(goal - position)))
+        distance = math.dist(goal, position)
         if distance <= settings.straight_reach and is_visible(
                 self.border, position, goal, settings.edge_margin):
             self._counts.straight += 1

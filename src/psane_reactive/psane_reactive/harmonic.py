@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Harmonic map of a region onto a disk with a small star-shaped hole for each of its holes."""
 
+import math
+
 import numpy as np
 import shapely
 
 from psane_mapping.grid import FloatArray
-from psane_reactive.clearance import Border
 from psane_reactive.embedding import Embedding, doubled_areas, embed
 from psane_reactive.errors import MapError
 from psane_reactive.mesh import Mesh, mesh_region
@@ -54,7 +55,6 @@ class HarmonicMap:
         self._longest_detour = longest_detour
         self.mesh: Mesh = mesh_region(self.polygon, edge)
         self.embedding = self._best_embedding(stiffness)
-        self.border = Border(self.polygon)
         self.is_usable = self._usable_triangles()
         self._edge_starts = np.concatenate(self.mesh.rings)
         self._edge_ends = np.concatenate([np.roll(ring, -1) for ring in self.mesh.rings])
@@ -146,7 +146,7 @@ class HarmonicMap:
         goal_point, end = self.nearest_inside(goal)
         if not (self.is_usable[start] and self.is_usable[end]):
             return None
-        if max(np.hypot(*(start_point - position)), np.hypot(*(goal_point - goal))) > _FARTHEST:
+        if max(math.dist(start_point, position), math.dist(goal_point, goal)) > _FARTHEST:
             return None
         points, kept, length = pull_back_line(
             self.mesh.vertices, self.embedding.model, self.embedding.triangles, self._neighbours,
@@ -184,8 +184,7 @@ class HarmonicMap:
     def _inner_image(self, point: FloatArray, triangle: int) -> FloatArray:
         """Map a point, moved off the sides of its triangle so that a walk can start there."""
         corners = self.mesh.triangles[triangle]
-        shares = np.array(barycentric(self.mesh.vertices, corners, float(point[0]),
-                                      float(point[1])))
-        shares = np.maximum(shares, 1e-6)
-        image: FloatArray = (shares / shares.sum()) @ self.embedding.model[corners]
+        shares = [max(share, 1e-6) for share in barycentric(
+            self.mesh.vertices, corners, float(point[0]), float(point[1]))]
+        image: FloatArray = np.array(shares) @ self.embedding.model[corners] / sum(shares)
         return image

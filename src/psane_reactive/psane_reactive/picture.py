@@ -14,7 +14,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from psane_mapping.grid import FloatArray
-from psane_reactive.clearance import Border
 from psane_reactive.configuration import ReactiveConfiguration
 from psane_reactive.errors import RegionError
 from psane_reactive.map_builder import build_map
@@ -44,9 +43,8 @@ def draw_instant(instant: RecordedRegion, goal: FloatArray, settings: ReactiveCo
     if chosen is None:
         raise RegionError(f'the {settings.steering_map} map of this region cannot be built; '
                           'choose another one')
-    border = Border(region)
-    goal = point_inside(border, region, goal, _DEPTH)
-    start = point_inside(border, region, instant.position, _DEPTH)
+    goal = point_inside(region, goal, _DEPTH)
+    start = point_inside(region, instant.position, _DEPTH)
     figure = Figure(figsize=(11.0, 5.6), layout='constrained')
     FigureCanvasAgg(figure)
     physical, model = figure.subplots(1, 2)

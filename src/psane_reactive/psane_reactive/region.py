@@ -8,7 +8,7 @@ import shapely
 import shapely.ops
 
 from psane_mapping.grid import FloatArray
-from psane_reactive.clearance import Area, Border
+from psane_reactive.clearance import Area
 from psane_reactive.errors import RegionError
 
 # Smaller pieces cannot hold the robot's centre for a single control period.
@@ -64,8 +64,11 @@ def smooth_parts(area: Area, radius: float) -> list[shapely.Polygon]:
     parts are returned.
     """
     opened = area.buffer(-2.0 * radius, quad_segs=2).buffer(radius, quad_segs=2)
-    parts = [part for part in _polygons(opened.simplify(0.5 * radius))
-             if part.area > SMALLEST_AREA and part.is_valid]
+    simple = opened.simplify(0.5 * radius, preserve_topology=False)
+    if not simple.is_valid:
+        # Rarely needed, and many times slower.
+        simple = opened.simplify(0.5 * radius)
+    parts = [part for part in _polygons(simple) if part.area > SMALLEST_AREA and part.is_valid]
     return [_without_small_holes(part, radius * radius) for part in parts or _polygons(area)]
 
 
@@ -75,19 +78,20 @@ def _without_small_holes(polygon: shapely.Polygon, smallest: float) -> shapely.P
     return shapely.geometry.polygon.orient(shapely.Polygon(polygon.exterior, holes))
 
 
-def point_inside(border: Border, area: Area, point: FloatArray, depth: float) -> FloatArray:
+def point_inside(area: Area, point: FloatArray, depth: float) -> FloatArray:
     """Return the point itself, or the nearest one `depth` [m] inside where there is room.
 
     Parameters
     ----------
     point : (2,) float, map frame [m]
     """
-    if border.outside_distance(point) <= -depth:
+    place = shapely.Point(point)
+    if area.contains(place) and area.boundary.distance(place) >= depth:
         return point
     for shrunk in (depth, 0.5 * depth, 0.1 * depth):
         inner = area.buffer(-shrunk)
         if not inner.is_empty:
-            nearest = shapely.ops.nearest_points(inner, shapely.Point(point))[0]
+            nearest = shapely.ops.nearest_points(inner, place)[0]
             return np.array((nearest.x, nearest.y))
     anywhere = area.representative_point()
     return np.array((anywhere.x, anywhere.y))

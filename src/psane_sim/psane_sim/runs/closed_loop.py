@@ -153,6 +153,11 @@ class ClosedLoop:
         """Where odometry says that the robot is, map frame [m]."""
         return float(self._pose[0]), float(self._pose[1])
 
+    @property
+    def unsafe_time(self) -> float:
+        """Time on unsafe ground so far [s]."""
+        return self._scorer.unsafe_time
+
     def score(self) -> Score:
         """Return the score so far."""
         return self._scorer.score()

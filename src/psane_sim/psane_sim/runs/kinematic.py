@@ -21,6 +21,8 @@ FEET = np.array([[0.19, 0.15], [-0.03, 0.18], [-0.22, 0.15],
                  [0.19, -0.15], [-0.03, -0.18], [-0.22, -0.15]])
 """Mean points of the stances of each leg, base frame, measured on the multibody simulation [m]."""
 
+_CENTRE_AND_FEET = np.vstack((np.zeros(2), FEET))
+
 TRIPODS = ((0, 2, 4), (1, 3, 5))
 """Legs that stand together."""
 
@@ -76,6 +78,7 @@ class KinematicRobot:
         self.time = 0.0
         self.velocity = (0.0, 0.0)
         self.forward_slip = 0.0
+        self._arrive()
 
     def command(self, linear: float, angular: float) -> None:
         """Take a speed [m/s] and a yaw rate [rad/s]; what exceeds the limits is cut."""
@@ -83,13 +86,21 @@ class KinematicRobot:
         self._asked = (min(max(linear, -limit.speed_limit), limit.speed_limit),
                        min(max(angular, -limit.turn_limit), limit.turn_limit))
 
-    def feet(self) -> FloatArray:
-        """Return where the six feet press, (6, 2), map frame [m]."""
+    def places(self) -> FloatArray:
+        """Return the centre and where the six feet press, (7, 2), map frame [m]."""
+        return self._places
+
+    def slip_under(self) -> FloatArray:
+        """Return the true slip at those places, (7,) [-]."""
+        return self._slip_under
+
+    def _arrive(self) -> None:
+        """Work out what is under the robot where it is now."""
         x, y, yaw = self.pose.tolist()
         cosine, sine = math.cos(yaw), math.sin(yaw)
-        turned = FEET @ np.array(((cosine, sine), (-sine, cosine)))
-        turned += (x, y)
-        return turned
+        self._places = _CENTRE_AND_FEET @ np.array(((cosine, sine), (-sine, cosine)))
+        self._places += (x, y)
+        self._slip_under = self._terrain.true_slip(self._places)
 
     def step(self, duration: float) -> tuple[int, ...]:
         """Move on by `duration` [s]; return the legs whose stance ended meanwhile."""
@@ -101,7 +112,7 @@ class KinematicRobot:
         added = config.turning_slip * abs(angular) / max(config.turn_limit, 1e-9)
         # Turning costs nothing where the ground is firm, and all that is added where it is soft.
         slip = [min(1.0, own + added * min(1.0, 2.0 * own))
-                for own in self._terrain.true_slip(self.feet()).tolist()]
+                for own in self._slip_under.tolist()[1:]]
         firm = 3.0 * (1.0 - FIRM_SLIP)
         left = (linear - angular * config.half_track) * (3.0 - sum(slip[:3])) / firm
         right = (linear + angular * config.half_track) * (3.0 - sum(slip[3:])) / firm
@@ -119,6 +130,7 @@ class KinematicRobot:
         self.pose[1] += speed * duration * math.sin(heading) + aside * math.cos(heading)
         self.pose[2] = math.remainder(self.pose[2] + rate * duration, 2.0 * math.pi)
         self.time += duration
+        self._arrive()
 
     def _stances_ended(self, duration: float) -> tuple[int, ...]:
         """Let the legs cycle, at the stride frequency, as long as the body is to move."""

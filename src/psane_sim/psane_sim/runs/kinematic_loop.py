@@ -102,6 +102,11 @@ class KinematicLoop:
         """Simulated time since the start [s]."""
         return self._robot.time
 
+    @property
+    def unsafe_time(self) -> float:
+        """Time on unsafe ground so far [s]."""
+        return self._scorer.unsafe_time
+
     def score(self) -> Score:
         """Return the score so far."""
         return self._scorer.score()
@@ -138,12 +143,12 @@ class KinematicLoop:
         robot.command(command.linear, command.angular)
         self._planner.note_motion(pose, command.linear, command.angular, robot.time)
         ended = robot.step(TICK)
-        feet = robot.feet()
+        centre, feet = robot.places()[0], robot.places()[1:]
         for leg in ended:
             sample = self._mapper.add(self._touch.feel(leg, feet[leg], robot.time))
             if isinstance(sample, TerrainSample):
                 self.record.note_sample(sample)
-        self._scorer.observe(robot.pose[:2], feet, TICK)
+        self._scorer.observe(centre, feet, TICK, robot.slip_under())
         self.record.path.append((robot.time, float(robot.pose[0]), float(robot.pose[1])))
 
     def _believed(self) -> FloatArray:

@@ -37,6 +37,10 @@ class WatchedLoop(Protocol):
     def time(self) -> float:
         """Simulated time since the start [s]."""
 
+    @property
+    def unsafe_time(self) -> float:
+        """Time on unsafe ground so far [s]."""
+
     def score(self) -> Score:
         """Return the score so far."""
 
@@ -111,7 +115,7 @@ class RunWatch:
         if not loop.record.path:
             return False
         place = np.array(loop.record.path[-1][1:])
-        unsafe_time = loop.score().unsafe_time_s
+        unsafe_time = loop.unsafe_time
         stayed_unsafe = unsafe_time > self._unsafe_time
         self._unsafe_time = unsafe_time
         if not stayed_unsafe or self._anchor is None or float(

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scores a run against the truth, which no other part of the stack ever sees."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,7 +88,8 @@ class Scorer:
         self._feet = 0
         self._unsafe_feet = 0
 
-    def observe(self, centre: FloatArray, feet: FloatArray, duration: float) -> None:
+    def observe(self, centre: FloatArray, feet: FloatArray, duration: float,
+                slip: FloatArray | None = None) -> None:
         """Take in where the robot truly is.
 
         Parameters
@@ -97,13 +99,16 @@ class Scorer:
             Feet that press on the ground.
         duration : float
             Time for which this holds [s].
+        slip : (1 + n,) float [-], optional
+            True slip under centre and feet, where that is known already.
         """
-        points = np.concatenate((centre[None, :], feet))
-        unsafe = self._terrain.true_slip(points) > self._threshold
+        if slip is None:
+            slip = self._terrain.true_slip(np.concatenate((centre[None, :], feet)))
+        unsafe = slip > self._threshold
         self._unsafe_time += duration * bool(unsafe[0])
         self._feet += len(feet)
-        self._unsafe_feet += int(unsafe[1:].sum())
-        step = float(np.hypot(*(centre - self._last_step)))
+        self._unsafe_feet += int(np.count_nonzero(unsafe[1:]))
+        step = math.dist(centre, self._last_step)
         if step >= PATH_STEP:
             self._path += step
             self._last_step = np.array(centre, dtype=np.float64)
@@ -114,6 +119,11 @@ class Scorer:
             return
         self._certified = np.asarray(mask, dtype=bool)
         self._false |= self._certified & self._is_unsafe
+
+    @property
+    def unsafe_time(self) -> float:
+        """Time that the centre was on unsafe ground so far [s]."""
+        return self._unsafe_time
 
     @property
     def false_cells(self) -> BoolArray:

@@ -11,6 +11,7 @@ with the published noise, in whole runs on env1 and env2, the log-strength felt 
 `psane_sim.calibration.contact_errors`); here both are a little larger.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -79,16 +80,16 @@ class SimulatedTouch:
         """Return what a leg felt at `point` (2,) [m] in the stance that ends at `now` [s]."""
         config, generator = self._configuration, self._generator
         true = float(self._terrain.strength(point[None, :])[0])
-        felt = true / config.strength_factor * np.exp(config.stance_deviation
-                                                      * generator.normal())
-        depth = float(np.interp(np.log(true), _STRENGTHS, _DEEPEST)) * _PROFILE
+        felt = true / config.strength_factor * math.exp(config.stance_deviation
+                                                        * generator.normal())
+        depth = float(np.interp(math.log(true), _STRENGTHS, _DEEPEST)) * _PROFILE
         believed = np.maximum(depth + self._bias, 0.0)
         measured = (felt * self._force(depth))[:, None] * _SHARES
         measured = measured + config.sample_noise * generator.normal(size=measured.shape)
         return LegContact(
             leg=leg, touch_down=now - config.stance_duration, lift_off=now,
             point=point + config.position_deviation * generator.normal(size=2),
-            point_deviation=float(np.hypot(config.position_deviation, 0.015)),
+            point_deviation=math.hypot(config.position_deviation, 0.015),
             depth=believed, measured=measured,
             response=self._force(believed)[:, None] * _SHARES,
             deviation=np.full(measured.shape, max(config.sample_noise, 0.1)))

@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numba import njit
 
 from psane_mapping.grid import FloatArray, Grid
 from psane_mapping.slip import CalibratedSlipCurve
@@ -137,10 +137,9 @@ class Terrain:
     def true_slip(self, points: FloatArray) -> FloatArray:
         """Return the slip at points (..., 2), map frame [m]; 1 outside the workspace."""
         points = np.asarray(points, dtype=np.float64)
-        min_x, min_y, max_x, max_y = self.extent
-        inside: NDArray[np.bool_] = ((points[..., 0] >= min_x) & (points[..., 0] <= max_x)
-                                     & (points[..., 1] >= min_y) & (points[..., 1] <= max_y))
-        return np.where(inside, interpolate(self.grid, self.slip, points), 1.0)
+        slip = interpolate(self.grid, self.slip, points)
+        _fill_outside(np.ascontiguousarray(points).reshape(-1, 2), self.extent, slip.reshape(-1))
+        return slip
 
     def height_at(self, x: float, y: float) -> float:
         """Return the height of the undisturbed ground [m]."""
@@ -149,3 +148,14 @@ class Terrain:
     def strength(self, points: FloatArray) -> FloatArray:
         """Return the strength at points (..., 2), map frame [m]."""
         return self.strength_field.strength(points)
+
+
+@njit(cache=True)
+def _fill_outside(points: FloatArray, extent: tuple[float, float, float, float],
+                  slip: FloatArray) -> None:
+    """Set the slip (n,) of the points (n, 2) outside an extent to 1; a NaN lies outside."""
+    min_x, min_y, max_x, max_y = extent
+    for i in range(points.shape[0]):
+        x, y = points[i]
+        if not (min_x <= x <= max_x and min_y <= y <= max_y):
+            slip[i] = 1.0
