@@ -57,11 +57,12 @@ install_uv() {
   find_uv || fail "uv was installed into $state/uv, but it does not run"
 }
 
-# A CPython 3.11 that can compile: the generated messages need its headers.
+# A CPython 3.11 that can compile: the generated messages need its headers. The distribution's comes
+# first: it is built with a profile, one from a version manager often is not, and runs slower.
 find_python() {
   local candidate
-  for candidate in "$("$uv" python find --system --no-project 3.11 2>/dev/null || true)" \
-      "$(command -v python3.11 || true)" /usr/bin/python3.11; do
+  for candidate in /usr/bin/python3.11 "$(command -v python3.11 || true)" \
+      "$("$uv" python find --system --no-project 3.11 2>/dev/null || true)"; do
     if [[ -n $candidate ]] && "$candidate" -c 'if True:
         import os, sys, sysconfig
         header = os.path.join(sysconfig.get_path("include"), "Python.h")
