@@ -111,6 +111,15 @@ class MappingConfiguration(Configuration):
         'of them averages out', low=0.0, high=1.0)
     common_log_deviation: float = parameter(
         0.065, 'the same of log-strength', low=0.0, high=1.0)
+    surprise_reach: float = parameter(
+        0.15, 'distance over which a stance that was riskier than promised widens the deviation '
+        'of slip; 0 for nowhere', unit='m', low=0.0, high=10.0, read_only=True)
+    surprise_trust: float = parameter(
+        2.0, 'stances as promised that the map is believed to have had everywhere', unit='count',
+        low=0.1, high=1000.0, read_only=True)
+    surprise_allowance: float = parameter(
+        2.0, 'mean square of such surprises, in promised variances, up to which nothing is '
+        'widened', low=1.0, high=100.0, read_only=True)
     use_position_noise: bool = parameter(
         True, "carry the foot's position uncertainty into the noise through the map's slope")
     std_scale: float = parameter(

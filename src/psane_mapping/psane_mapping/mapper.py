@@ -20,6 +20,7 @@ from psane_mapping.recent_stances import RecentStances
 from psane_mapping.sample import TerrainSample
 from psane_mapping.slip import SlipModel
 from psane_mapping.strength import Reason, Rejection, estimate_strength
+from psane_mapping.surprise import SurpriseMap
 
 __all__ = ['TerrainMapper', 'TerrainMaps', 'TerrainSample']
 
@@ -70,7 +71,7 @@ class TerrainMapper:
     -----
     The posterior is the same in whatever order samples are taken in. What a stance says is not,
     quite: the noise from the point's uncertainty follows the slope of the map as it was when
-    the stance came (`use_position_noise`).
+    the stance came (`use_position_noise`), and so does how much of a surprise it was.
     """
 
     def __init__(self, config: MappingConfiguration, grid: Grid | None = None,
@@ -87,6 +88,8 @@ class TerrainMapper:
         self._slip = self._posterior(start, self._slip_prior(), config.slip_prior_deviation)
         self._log_strength = self._posterior(start, self._log_strength_prior(),
                                              config.log_strength_prior_deviation)
+        self._surprise = SurpriseMap(start, config.surprise_reach, config.surprise_trust,
+                                     config.surprise_allowance)
         # The map of strength, where nothing is ever taken into it.
         self._untouched: tuple[FloatArray, FloatArray] | None = None
         self._version = 0
@@ -129,8 +132,9 @@ class TerrainMapper:
         """
         if not self._covers(sample.point):
             return False
-        self.slip_innovations.add(
-            self._slip.condition(sample.point, sample.slip, sample.slip_deviation))
+        innovation = self._slip.condition(sample.point, sample.slip, sample.slip_deviation)
+        self.slip_innovations.add(innovation)
+        self._surprise.add(sample.point, innovation, self.config.common_deviation)
         if self._has_strength_map:
             self.log_strength_innovations.add(
                 self._log_strength.condition(sample.point, math.log(sample.strength),
@@ -149,9 +153,14 @@ class TerrainMapper:
         in every stance. A share `c` of the deviation is therefore a common mode that only shows
         where the ground was felt: ``std^2 = s^2 + c^2 (1 - s^2 / prior^2)`` with `s` the process's
         own deviation. It falls to `c` under any number of stances, and is the prior's far away.
+        The deviation of slip is larger where stances were riskier than the map had promised
+        (see `SurpriseMap`).
         """
         config = self.config
-        slip_mean, slip_std = _read_only(self._slip, config.common_deviation)
+        if self._surprise.grid is not self.grid:
+            self._surprise.move(self.grid)
+        slip_mean, slip_std = _read_only(self._slip, config.common_deviation,
+                                         self._surprise.factor())
         strength = self._untouched
         if strength is None:
             strength = _read_only(self._log_strength, config.common_log_deviation)
@@ -180,6 +189,7 @@ class TerrainMapper:
         self.accepted = 0
         self.rejected.clear()
         self._recent.clear()
+        self._surprise.clear()
         self.slip_innovations.clear()
         self.log_strength_innovations.clear()
 
@@ -251,12 +261,13 @@ class TerrainMapper:
         return math.hypot(deviation, contact.point_deviation * slope)
 
 
-def _read_only(posterior: GridPosterior, common: float) -> tuple[FloatArray, FloatArray]:
-    """Return mean and deviation of a map (rows, columns), the common mode in it."""
+def _read_only(posterior: GridPosterior, common: float, factor: FloatArray | float = 1.0
+               ) -> tuple[FloatArray, FloatArray]:
+    """Return mean and deviation of a map (rows, columns), the common mode and a factor in it."""
     mean, prior = posterior.mean, posterior.kernel.deviation
     variance = posterior.variance * (1.0 - (common / prior) ** 2)
     variance += common**2
-    std = np.minimum(np.sqrt(variance, out=variance), prior)
+    std = np.minimum(factor * np.sqrt(variance, out=variance), prior)
     for array in (mean, std):
         array.setflags(write=False)
     return mean, std

@@ -29,7 +29,7 @@ PRESETS: Mapping[str, Preset] = MappingProxyType({
         meaning='The published runs (Jiang et al.): beta 3, k_e = k_g = 0.1, l 0.6, sigma_f 0.5, '
         'h 0.5, L 2; certificates are not revoked and the map alone is trusted.',
         mapping=MappingConfiguration(lengthscale=0.6, slip_prior_deviation=0.5,
-                                     slip_prior_mean=0.0),
+                                     slip_prior_mean=0.0, surprise_reach=0.0),
         planner=PlannerConfiguration(
             strategy='psane', slip_threshold=0.5, confidence_scale=3.0, lipschitz_constant=2.0,
             expansion_rate=0.1, goal_decay=0.1, revocation_scale=0.0, felt_slope=0.0,
