@@ -138,12 +138,12 @@ def test_the_csv_of_trials_has_a_line_for_each(groups):
 
 
 @pytest.mark.parametrize('study', STUDIES, ids=lambda study: study.name)
-def test_a_study_lists_every_value_for_both_environments_from_the_right_rows(study):
+def test_a_study_lists_every_value_for_all_its_tasks_from_the_right_rows(study):
     trials = [twin_of(made) for made in ablation_trials(2, Robot.KINEMATIC)]
     rows = {made.name: {**row(task=made.task.name, strategy=made.strategy, seed=made.seed),
                         'study': made.study} for made in trials}
     found = variant_groups(study, rows, 2, Robot.KINEMATIC)
-    assert set(found) == {(task, label) for task in ('goal_env1', 'goal_env2')
+    assert set(found) == {(task.name, label) for task in study.tasks
                           for label, _ in study.variants}
     for (task, label), group in found.items():
         assert isinstance(group, Group) and len(group.rows) == 2
@@ -151,4 +151,5 @@ def test_a_study_lists_every_value_for_both_environments_from_the_right_rows(stu
         assert {entry['task'] for entry in group.rows} == {task}
         assert {entry['study'] for entry in group.rows} == {study.name if changes else 'preset'}
     lines = study_table(study, found, Robot.KINEMATIC).splitlines()
-    assert sum(line.startswith('| ') for line in lines) == 1 + 2 * len(study.variants)
+    assert sum(line.startswith('| ') for line in lines) == (
+        1 + len(study.tasks) * len(study.variants))

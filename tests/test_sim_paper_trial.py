@@ -117,9 +117,9 @@ def test_the_preset_is_run_once_for_all_studies_of_one_robot():
     trials = ablation_trials(2, Robot.KINEMATIC)
     twins = {twin_of(made).name for made in trials}
     plain = [made for made in trials if not made.changes]
-    # Two seeds, two tasks, and the touch study on the physics beside the others.
-    assert len({twin_of(made).name for made in plain}) == 2 * 2 * 2
-    assert len(twins) == len(trials) - len(plain) + 8
+    # Two seeds of: two goals, the same on the physics (the touch study), and the exploration.
+    assert len({twin_of(made).name for made in plain}) == 2 * (2 + 2 + 1)
+    assert len(twins) == len(trials) - len(plain) + 10
 
 
 # --- touch methods

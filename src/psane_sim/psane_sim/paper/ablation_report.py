@@ -9,18 +9,18 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from psane_sim.paper.ablations import STRATEGY, TASKS, Study, ablation_trials, robot_of, twin_of
+from psane_sim.paper.ablations import STRATEGY, Study, ablation_trials, robot_of, twin_of
 from psane_sim.paper.groups import QUANTITIES, Group, Quantity, Row
 from psane_sim.paper.tables import shown
-from psane_sim.paper.task import Robot
+from psane_sim.paper.task import PaperTask, Robot
 from psane_sim.runs.picture import STYLE
 
 matplotlib.use('Agg')
 
 SHOWN = ('success', 'time_s', 'path_m', 'unsafe_time_s', 'unsafe_foot_share',
-         'false_certified_cells')
+         'false_certified_cells', 'coverage')
 DRAWN = ('success', 'time_s', 'unsafe_time_s', 'false_certified_cells')
-COLOURS = {'goal_env1': '#2166ac', 'goal_env2': '#d95f02'}
+COLOURS = {'goal_env1': '#2166ac', 'goal_env2': '#d95f02', 'explore_env2': '#7570b3'}
 
 
 def variant_groups(study: Study, rows: Mapping[str, Row], count: int, robot: Robot
@@ -45,13 +45,17 @@ def study_table(study: Study, groups: Mapping[tuple[str, str], Group], robot: Ro
              '| value | task | n | ' + ' | '.join(q.heading for q in quantities) + ' | ends |',
              '|---' * (len(quantities) + 4) + '|']
     for label, _ in study.variants:
-        for task in TASKS:
+        for task in study.tasks:
             group = groups[task.name, label]
             cells = [_cell(group, quantity) for quantity in quantities]
             ends = ', '.join(f'{name} {times}' for name, times in sorted(group.endings.items()))
-            lines.append(f'| {label} | {task.terrain} | {len(group.rows)} | '
+            lines.append(f'| {label} | {_task_name(task)} | {len(group.rows)} | '
                          + ' | '.join(cells) + f' | {ends} |')
     return '\n'.join([*lines, ''])
+
+
+def _task_name(task: PaperTask) -> str:
+    return task.terrain if task.has_goal else f'exploring {task.terrain}'
 
 
 def _cell(group: Group, quantity: Quantity) -> str:
@@ -77,13 +81,14 @@ def draw_study(study: Study, groups: Mapping[tuple[str, str], Group], path: Path
 def _draw_panel(axes: Axes, study: Study, groups: Mapping[tuple[str, str], Group],
                 quantity: Quantity) -> None:
     labels = [label for label, _ in study.variants]
-    for offset, task in zip((-0.17, 0.17), TASKS, strict=True):
+    width = 0.66 / len(study.tasks)
+    for number, task in enumerate(study.tasks):
         spreads = [groups[task.name, label].spread(quantity) for label in labels]
         means = np.array([spread.mean for spread in spreads])
-        places = np.arange(len(labels)) + offset
-        axes.bar(places, np.nan_to_num(means), 0.32, color=COLOURS[task.name],
+        places = np.arange(len(labels)) + (number - 0.5 * (len(study.tasks) - 1)) * width
+        axes.bar(places, np.nan_to_num(means), 0.95 * width, color=COLOURS[task.name],
                  yerr=[spread.deviation if spread.trials > 1 else 0.0 for spread in spreads],
-                 capsize=2, error_kw={'linewidth': 0.7}, label=task.terrain)
+                 capsize=2, error_kw={'linewidth': 0.7}, label=_task_name(task))
         for place, mean in zip(places, means, strict=True):
             if np.isnan(mean):
                 axes.annotate('-', (place, 0.0), ha='center', va='bottom')

@@ -7,11 +7,11 @@ from typing import Any
 
 from psane_planner.presets import PRESETS
 from psane_sim.paper.settings import NOISE, TOUCH_METHOD
-from psane_sim.paper.task import GOAL_ENV1, GOAL_ENV2, PaperTrial, Robot
+from psane_sim.paper.task import EXPLORE_ENV2, GOAL_ENV1, GOAL_ENV2, PaperTask, PaperTrial, Robot
 from psane_sim.touch.method import TouchMethod
 
 STRATEGY = 'psane_geodesic'
-TASKS = (GOAL_ENV1, GOAL_ENV2)
+GOALS = (GOAL_ENV1, GOAL_ENV2)
 
 Changes = tuple[tuple[str, object], ...]
 
@@ -29,12 +29,15 @@ class Study:
         In the order of table and figure; the one without changes is the preset itself.
     needs_physics : bool
         True when the kinematic robot knows nothing of it.
+    tasks : tuple of PaperTask
+        What it is tried on.
     """
 
     name: str
     title: str
     variants: tuple[tuple[str, Changes], ...]
     needs_physics: bool = False
+    tasks: tuple[PaperTask, ...] = GOALS
 
 
 def _one_field(field: str, values: Sequence[Any]) -> tuple[tuple[str, Changes], ...]:
@@ -69,10 +72,12 @@ STUDIES = (
         ('oracle', ((TOUCH_METHOD, TouchMethod.ORACLE.value),)))),
     Study(name='slip_model', title='Slip model', variants=_one_field(
         'mapping.slip_model', ('calibrated', 'rotary_walking', 'rotary_walking_raw'))),
+    Study(name='surprise', title='Reach of surprises [m]', tasks=(EXPLORE_ENV2,),
+          variants=_one_field('mapping.surprise_reach', (0.0, 0.15, 0.3))),
     Study(name='noise', title='Noise of all sensors, times',
           variants=(('0', ((NOISE, 0.0),)), ('1', ()), ('2', ((NOISE, 2.0),)))),
 )
-"""All studies; each runs the default strategy to the goals of both environments."""
+"""All studies; each runs the default strategy, most of them to the goals of both environments."""
 
 
 def robot_of(study: Study, robot: Robot) -> Robot:
@@ -88,7 +93,8 @@ def ablation_trials(count: int, robot: Robot) -> list[PaperTrial]:
         most = min(count, 3) if walker is Robot.PHYSICS else count
         made += [PaperTrial(task=task, strategy=STRATEGY, seed=seed, robot=walker,
                             study=study.name, variant=_plain(label), changes=changes)
-                 for seed in range(most) for label, changes in study.variants for task in TASKS]
+                 for seed in range(most) for label, changes in study.variants
+                 for task in study.tasks]
     return made
 
 
