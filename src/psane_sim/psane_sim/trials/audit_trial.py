@@ -50,8 +50,14 @@ class AuditSettings:
 
     @property
     def fingerprint(self) -> str:
-        """Short text that is the same for the same settings only."""
-        return hashlib.sha256(repr(self).encode()).hexdigest()[:16]
+        """Short text that is the same for the same settings of all parts only."""
+        return hashlib.sha256(repr((self, self.of_loop)).encode()).hexdigest()[:16]
+
+    @property
+    def of_loop(self) -> KinematicSettings:
+        """Configurations of robot, touch, map, planner and steering."""
+        touch = SimulatedTouchConfiguration(strength_factor=1.0 - self.weaker)
+        return KinematicSettings(touch=touch.times(self.noise), planner=self.planner)
 
 
 @dataclass(frozen=True, order=True)
@@ -70,10 +76,7 @@ def run_trial(trial: Trial, settings: AuditSettings) -> dict[str, Any]:
     task = Task(terrain=terrain.name, start=terrain.start, goal=terrain.goal,
                 strategy=planner.strategy, threshold=planner.slip_threshold, seed=trial.seed,
                 duration=settings.duration)
-    touch = SimulatedTouchConfiguration(strength_factor=1.0 - settings.weaker)
-    touch = touch.times(settings.noise)
-    loop = KinematicLoop(task, terrain, terrain.start_pose,
-                         KinematicSettings(touch=touch, planner=planner))
+    loop = KinematicLoop(task, terrain, terrain.start_pose, settings.of_loop)
     outcome, score = loop.run()
     return {'family': trial.family, 'seed': trial.seed,
             **_result(task, outcome, score), **_yardstick(terrain, planner),
