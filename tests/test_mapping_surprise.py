@@ -105,6 +105,9 @@ def test_a_map_that_grows_takes_its_surprises_along():
         fixed.take(stance)
         growing.take(stance)
     growing.take(sample(-3.0, -2.0, 0.3))
+    # On ground that the map has only just grown to, surprises count too.
+    for stance in [sample(-3.0, -2.0, 0.9)] * 4:
+        growing.take(stance)
     known, larger = fixed.maps(), growing.maps()
     assert larger.grid.shape != known.grid.shape
     assert at(known.slip_std, HERE) > 1.5 * at(known.slip_std, (2.0, 1.3))
@@ -112,6 +115,7 @@ def test_a_map_that_grows_takes_its_surprises_along():
         place = np.array(place) + 0.01
         assert at(larger.slip_std, place, larger.grid) == pytest.approx(
             at(known.slip_std, place), rel=0.02)
+    assert at(larger.slip_std, (-2.99, -1.99), larger.grid) > 0.05
 
 
 def test_a_reset_forgets_surprises():

@@ -134,6 +134,8 @@ class TerrainMapper:
             return False
         innovation = self._slip.condition(sample.point, sample.slip, sample.slip_deviation)
         self.slip_innovations.add(innovation)
+        if self._surprise.grid is not self.grid:
+            self._surprise.move(self.grid)
         self._surprise.add(sample.point, innovation, self.config.common_deviation)
         if self._has_strength_map:
             self.log_strength_innovations.add(
@@ -157,8 +159,6 @@ class TerrainMapper:
         (see `SurpriseMap`).
         """
         config = self.config
-        if self._surprise.grid is not self.grid:
-            self._surprise.move(self.grid)
         slip_mean, slip_std = _read_only(self._slip, config.common_deviation,
                                          self._surprise.factor())
         strength = self._untouched

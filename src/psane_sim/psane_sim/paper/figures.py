@@ -185,7 +185,8 @@ def draw_coverage(groups: Sequence[Group], runs: Runs, path: Path) -> None:
                               capsize=3, label=f'{group.strategy}, paper')
         axes.set(xlabel='time [s]', ylabel='certified share of the safe ground in reach',
                  ylim=(0.0, 1.0), xlim=(0.0, 1030.0))
-        axes.legend(frameon=False, loc='lower right', ncols=2)
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(frameon=False, loc='upper left')
         figure.savefig(path, dpi=150)
 
 
