@@ -79,7 +79,9 @@ def _draw_safety(axes: Axes, grid: Grid, moment: Moment, threshold: float) -> No
     for colour, label in (('#a6d96a', 'certified'), ('#d6604d', 'known unsafe'),
                           ('#e3e3e3', 'unknown')):
         axes.plot([], [], 's', color=colour, label=label)
-    axes.legend(loc='upper right', fontsize=6, framealpha=0.9)
+    # Beside the map: nowhere on it is there a place where no run ever goes.
+    axes.legend(loc='upper center', bbox_to_anchor=(0.5, -0.09), ncols=3, fontsize=6,
+                frameon=False, columnspacing=1.0, handletextpad=0.3)
     _frame(axes, 'C  safety map and frontier')
 
 
