@@ -118,6 +118,29 @@ def test_a_map_that_grows_takes_its_surprises_along():
     assert at(larger.slip_std, (-2.99, -1.99), larger.grid) > 0.05
 
 
+def test_a_growing_map_can_be_shown_before_anything_was_felt():
+    made = mapper(grow=True)
+    maps = made.maps()
+    assert maps.slip_std.shape == maps.grid.shape == made.grid.shape
+    assert maps.slip_std == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize('seed', range(3))
+def test_the_order_of_stances_matters_only_near_a_surprise(seed):
+    made, other = mapper(), mapper()
+    walk(made, 0.65)
+    random = np.random.default_rng(seed)
+    points = [(x, y, 0.3) for x in np.arange(1.0, 3.0, 0.1)
+              for y in (*np.arange(1.0, 1.85, 0.1), *np.arange(2.2, 3.05, 0.1))]
+    points += [(x, 1.95, 0.65) for x in np.arange(1.6, 2.4, 0.1)]
+    for number in random.permutation(len(points)):
+        other.take(sample(*points[number]))
+    one, two = made.maps(), other.maps()
+    assert two.slip_mean == pytest.approx(one.slip_mean, abs=1e-8)
+    away = np.abs(GRID.points[:, 1] - 1.95).reshape(GRID.shape) > 0.6
+    assert two.slip_std[away] == pytest.approx(one.slip_std[away], rel=0.1)
+
+
 def test_a_reset_forgets_surprises():
     made = mapper()
     walk(made, 0.65)

@@ -88,7 +88,7 @@ class TerrainMapper:
         self._slip = self._posterior(start, self._slip_prior(), config.slip_prior_deviation)
         self._log_strength = self._posterior(start, self._log_strength_prior(),
                                              config.log_strength_prior_deviation)
-        self._surprise = SurpriseMap(start, config.surprise_reach, config.surprise_trust,
+        self._surprise = SurpriseMap(self.grid, config.surprise_reach, config.surprise_trust,
                                      config.surprise_allowance)
         # The map of strength, where nothing is ever taken into it.
         self._untouched: tuple[FloatArray, FloatArray] | None = None
